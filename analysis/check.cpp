@@ -174,7 +174,7 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
 
 /// Prints every claim about speed with its measured ratio. None fails, since a ratio of two speeds depends on the
 /// machine and the minute.
-Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
+ExitStatus report_times(const std::vector<Claim>& claims, const std::vector<ClaimResult>& results) {
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& c = claims[i];
         const bool is_measured = results[i].state == State::agrees || results[i].state == State::disagrees;
@@ -186,7 +186,7 @@ Exit report_times(const std::vector<Claim>& claims, const std::vector<ClaimResul
                    is_measured ? fmt::format("{:.2f}", results[i].measured) : "-", c.low, c.high, terminal_line(c.id),
                    terminal_line(is_measured ? c.statement : results[i].reason));
     }
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 /// The files that decide what claims measure.
@@ -302,7 +302,7 @@ void print_counts(const std::vector<Claim>& claims, const std::vector<ClaimResul
     if (agreeing_count > 0) fmt::print("{}\n", counts.text());
 }
 
-Exit run(const CheckOptions& options, const CommonOptions& common) {
+ExitStatus run(const CheckOptions& options, const CommonOptions& common) {
     require_compatible_options(options);
     const auto data = selection::data_folder(common.data);
     const auto claims = load_claims(options, data);
@@ -320,13 +320,13 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
         .data_dir = data, .stop = common.stop, .further_draws = options.further_draws, .studies = &studies};
     const auto measured = measure_claims(claims, request, run_division.division);
     finish_run(run_division, common);
-    if (!measured) return Exit::done;
+    if (!measured) return ExitStatus::done;
 
     const auto& results = *measured;
     if (options.is_timing() && !options.prints_numbers_only) return report_times(claims, results);
     if (options.prints_numbers_only) {
         print_measured_numbers(claims, results);
-        return Exit::done;
+        return ExitStatus::done;
     }
 
     bool any_fails = false;
@@ -343,9 +343,9 @@ Exit run(const CheckOptions& options, const CommonOptions& common) {
     if (!results.empty() && std::ranges::all_of(results, is_skipped)) {
         fmt::print(stderr, "lostbits: every claim was skipped, so nothing was checked; the reason of the first: {}\n",
                    terminal_line(results.front().reason));
-        return Exit::nothing_selected;
+        return ExitStatus::nothing_selected;
     }
-    return any_fails ? Exit::answer_is_no : Exit::done;
+    return any_fails ? ExitStatus::answer_is_no : ExitStatus::done;
 }
 
 }  // namespace

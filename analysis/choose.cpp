@@ -53,7 +53,7 @@ public:
         quiet_request.progress = [](std::uint64_t) {};
         const auto quality = measure_quality(quiet_request);
         for (std::size_t r = 0; r < request_.tested_forms.size(); ++r)
-            if (!quality[r].meets(request_.requirement) && !request_.tested_forms[r].form->is_placed)
+            if (!quality[r].meets(request_.requirement) && !request_.tested_forms[r].form->has_transform_method)
                 repair_one(request_.tested_forms[r]);
     }
 
@@ -182,9 +182,10 @@ using ResultFolderPointer = std::unique_ptr<output::file::ResultFolder>;
 
 /// Chooses a form and writes the results, for a scene or for files of rays. For files, the accuracy on their rays is
 /// known already.
-Exit choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer, const ResultFolderPointer& result_folder,
-            output::file::Progress& progress, const CommonOptions& common,
-            std::optional<std::vector<output::choose::RepairedCandidate>> repaired = {}) {
+ExitStatus choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer,
+                  const ResultFolderPointer& result_folder, output::file::Progress& progress,
+                  const CommonOptions& common,
+                  std::optional<std::vector<output::choose::RepairedCandidate>> repaired = {}) {
     measure::choose::TimedRays timed_rays;
     std::optional<measure::choose::MetPixelsByForm> met_pixels;
     if (request.scene) request.show = met_pixels.emplace(request, request.tested_forms).show();
@@ -203,7 +204,7 @@ Exit choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer, const 
     progress.finish();
     fmt::print("{}", output::choose::choice_text(choice));
     if (!common.quiet) fmt::print("{}\n", (writer.folder() / "choose.csv").string());
-    return choice.cheapest_index ? Exit::done : Exit::answer_is_no;
+    return choice.cheapest_index ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 /// Moves the forms in emulated formats to `untimed_forms`.
@@ -215,7 +216,7 @@ void separate_untimed_rows(ChoiceRequest& request) {
     request.tested_forms.erase(emulated, request.tested_forms.end());
 }
 
-Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common) {
+ExitStatus choose_for_scene(const ChooseOptions& options, const CommonOptions& common) {
     const auto data = selection::data_folder(common.data);
     const auto scene = selection::load_one_scene(
         {{options.subjects.front()}, options.size, options.variant, options.set, common.stop}, data);
@@ -232,7 +233,7 @@ Exit choose_for_scene(const ChooseOptions& options, const CommonOptions& common)
     output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
-    if (!common.quiet) selection::note_idle_settings(options.set, scene.id, request.tested_forms);
+    if (!common.quiet) selection::note_ineffective_settings(options.set, scene.id, request.tested_forms);
     if (!options.mend) return choose(request, writer, result_folder, progress, common);
 
     // The repaired forms take part in the choice.
@@ -255,7 +256,7 @@ void drop_emulated_rows(ChoiceRequest& request, const std::string& id, bool quie
                    id);
 }
 
-Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common) {
+ExitStatus choose_for_files(const ChooseOptions& options, const CommonOptions& common) {
     auto opened_rays = selection::open_rays(options, options.subjects, selection::data_folder(common.data));
     const std::string& id = opened_rays.id;
     const Shapes shapes = opened_rays.shapes;
@@ -267,20 +268,20 @@ Exit choose_for_files(const ChooseOptions& options, const CommonOptions& common)
     const auto folder = std::filesystem::path(options.out) / id;
     const auto result_folder = lock_folder(folder, common, opened_rays.quoted_files);
     output::choose::ChoiceWriter writer(folder);
-    const bool counts_bytes = opened_rays.dump->bytes() > 0;
-    output::file::Progress progress(counts_bytes ? opened_rays.dump->bytes() : 1, fmt::format("choose {}", id),
+    const bool counts_bytes = opened_rays.ray_file->bytes() > 0;
+    output::file::Progress progress(counts_bytes ? opened_rays.ray_file->bytes() : 1, fmt::format("choose {}", id),
                                     common.progress, common.quiet);
     const auto advance = advance_callback(progress);
     opened_rays.options.progress = [&](std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
 
     // Reads the files once. What follows uses a sample of their rays.
-    const measure::choose::FileRays rays = judge_and_sample(*opened_rays.dump, opened_rays.options, request);
+    const measure::choose::FileRays rays = judge_and_sample(*opened_rays.ray_file, opened_rays.options, request);
     if (!common.quiet) selection::warn_of_rounded_values(rays.typed_file_names, rays.rounded_count, rays.format);
     request.rays = &rays;
     return choose(request, writer, result_folder, progress, common);
 }
 
-Exit run(const ChooseOptions& options, const CommonOptions& common) {
+ExitStatus run(const ChooseOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const bool is_for_files = selection::are_ray_files(options, options.subjects);
     selection::require_no_misplaced_options(options, options.subjects,
@@ -328,7 +329,7 @@ void add_choose(const shell::Command& program, const CommonOptions& common) {
     const auto single = command.add("--single", options->single, "Compare the cost of one ray at a time");
     command
         .add("--bulk", options->bulk,
-             "Compare the cost of packets of rays, one ray in each lane of a SIMD register (default)")
+             "Compare the cost of packs of rays, one ray in each lane of a SIMD register (default)")
         .excludes(single);
 
     // Changes of the scene, and the meaning of files of rays.

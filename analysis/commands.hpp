@@ -17,8 +17,8 @@
 #include "analysis/shell/text_table.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/contract/suspect.hpp"
+#include "measure/evaluate/bits_needed.hpp"
 #include "measure/evaluate/map.hpp"
-#include "measure/evaluate/needed.hpp"
 #include "measure/truth/truth_columns.hpp"
 #include "number/error.hpp"
 #include "output/file/progress.hpp"
@@ -58,8 +58,8 @@ std::vector<NamedCommand> study_commands();
 
 /// Runs `judge` on a file of answers about the whole surface of a mesh: all hits of rays, numbers of crossings, or
 /// points inside.
-Exit run_mesh_judge(const selection::JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
-                    scene::dump::Dump& dump, const CommonOptions& common);
+ExitStatus run_mesh_judge(const selection::JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
+                          scene::ray_file::RayFile& ray_file, const CommonOptions& common);
 
 /// Adds the examples in the help of each command, once all commands are there.
 void add_examples(const shell::Command& program);
@@ -166,7 +166,7 @@ void require_writable(const std::filesystem::path& file);
 
 /// Returns the exit status of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a
 /// message about these rays on stderr.
-[[nodiscard]] Exit report_unproved(std::uint64_t rays, int bits = measure::truth::ProofLimit{}.max_bits);
+[[nodiscard]] ExitStatus report_unproved(std::uint64_t rays, int bits = measure::truth::ProofLimit{}.max_bits);
 
 /// Prints a line on stderr for each tested form of an external intersector whose contract seems to be wrong.
 /// `suspicion` returns the text for a tested form, empty if nothing seems wrong.
@@ -193,9 +193,9 @@ void add_wrong_columns(std::vector<shell::TextColumn>& columns);
 void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::FormSummary& summary);
 
 /// Prints a table on stdout, with a line per tested form of a map, or per form for the bits needed.
-void print_table(const measure::evaluate::MapStudy& request,
+void print_table(const measure::evaluate::MapStudy& study,
                  const std::vector<measure::evaluate::FormSummary>& summaries);
-void print_table(const measure::evaluate::BitsNeededStudy& request,
+void print_table(const measure::evaluate::BitsNeededStudy& study,
                  const std::vector<measure::evaluate::BitsNeededSummary>& summaries);
 
 /// Prints a line on stdout with the number of truths that each stage settled. Each truth is about one ray and one

@@ -124,16 +124,17 @@ std::set<std::string> compared_columns(const std::vector<FileResult>& results) {
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
 /// Compares every file of every kind, one after another, as for two commits that should change no result.
-Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_options, const CommonOptions& common) {
+ExitStatus run_strictly(const DiffOptions& options, const CompareOptions& compare_options,
+                        const CommonOptions& common) {
     // Reads all files before it prints anything, so that bad input does not leave half an answer.
     const auto results = diff::compare_all(options.a, options.b, compare_options);
     diff::require_known_columns(compare_options, compared_columns(results));
 
-    const bool is_same = std::ranges::all_of(results, &FileResult::same);
+    const bool is_same = std::ranges::all_of(results, &FileResult::is_same);
     const bool compares_files = fs::is_regular_file(options.a) && fs::is_regular_file(options.b);
     if (compares_files) print_option_differences(option_differences(folder_of(options.a), folder_of(options.b)));
     for (const FileResult& r : results) {
-        if (!r.same() || common.verbose) diff::print(r, common.verbose);
+        if (!r.is_same() || common.verbose) diff::print(r, common.verbose);
     }
     if (is_same && !common.quiet) fmt::print("same\n");
 
@@ -144,11 +145,11 @@ Exit run_strictly(const DiffOptions& options, const CompareOptions& compare_opti
         if (output::diff::has_row_keys(a) && output::diff::has_row_keys(b))
             diff::print_verdict(output::diff::compare_rows(a, b, "", compare_options).verdict, options.b);
     }
-    return is_same ? Exit::done : Exit::answer_is_no;
+    return is_same ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
-Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const CompareOptions& compare_options,
-                 const CommonOptions& common) {
+ExitStatus run_on_maps(const DiffOptions& options, const MapSides& sides, const CompareOptions& compare_options,
+                       const CommonOptions& common) {
     const diff::MapDifference difference = diff::compare_maps(sides, compare_options, options.compares_pictures);
     auto names = compared_columns(difference.other_files);
     names.insert(difference.rows.names.begin(), difference.rows.names.end());
@@ -163,15 +164,15 @@ Exit run_on_maps(const DiffOptions& options, const MapSides& sides, const Compar
     complete_folder(result_folder);
 
     if (!sides.compares_two_forms()) print_option_differences(option_differences_below(options.a, options.b));
-    if (!difference.same() || common.verbose) diff::print(difference, sides, common.verbose);
-    if (difference.same() && !common.quiet) fmt::print("same\n");
+    if (!difference.is_same() || common.verbose) diff::print(difference, sides, common.verbose);
+    if (difference.is_same() && !common.quiet) fmt::print("same\n");
     for (const auto& picture : pictures) {
         if (!common.quiet) fmt::print("{}\n", picture.string());
     }
     if (difference.pictures > 0 && !common.quiet)
         fmt::print(stderr, "lostbits: {} {} not compared; --compare-pictures compares {}\n", difference.pictures,
                    difference.pictures == 1 ? "picture is" : "pictures are", difference.pictures == 1 ? "it" : "them");
-    return difference.same() ? Exit::done : Exit::answer_is_no;
+    return difference.is_same() ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 /// Prints on stderr which of the compared folders have incomplete results.
@@ -230,7 +231,7 @@ void require_compatible_options(const DiffOptions& options, const MapSides& side
             "-f selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
 }
 
-Exit run(const DiffOptions& options, const CommonOptions& common) {
+ExitStatus run(const DiffOptions& options, const CommonOptions& common) {
     CompareOptions compare_options;
     compare_options.stop = common.stop;
     for (const std::string& text : options.tolerances)

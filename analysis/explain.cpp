@@ -89,12 +89,12 @@ GivenRange parse_range(const std::string& text) {
     return parsed_range;
 }
 
-/// The form itself or, for primitives placed by matrices, the form with the usual transform.
+/// The form itself or, for transformed primitives, the form with the usual transform method.
 template <class Subject>
 const intersect::table::Intersector* form_for_primitives(const intersect::table::Intersector& form,
                                                          const Subject& subject) {
     if (subject.accepts(form.shapes())) return &form;
-    if (subject.accepts(form.shapes().placed()) && is_primitive(form.shape) && !form.is_placed)
+    if (subject.accepts(form.shapes().with_transform()) && is_primitive(form.shape) && !form.has_transform_method)
         return &intersect::transform::transformed_form(intersect::transform::default_transform_method(), form);
     throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));
@@ -131,8 +131,8 @@ StepRays rays_at_step(const scene::sweep::SweepFile& sweep, const std::string& p
 }
 
 /// Prints the bound on the error over ranges. Throws InputError for options that name a ray, and for malformed ranges.
-Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_options,
-                    const measure::evaluate::TestedForm& tested_form, bool json, const CommonOptions& common) {
+ExitStatus explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_options,
+                          const measure::evaluate::TestedForm& tested_form, bool json, const CommonOptions& common) {
     require_several_rays(ray);
 
     // Each input may have one range from the command line.
@@ -171,7 +171,7 @@ Exit explain_ranges(const selection::RayOptions& ray, const RangeOptions& range_
     const auto bound = measure::apriori::bound_over_ranges(request);
     fmt::print("{}", json ? output::attribution::ranges_json(request, bound)
                           : output::attribution::ranges_text(request, bound));
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 /// The form and the format of the options. Throws InputError if the form does not exist in the format, and for an
@@ -217,7 +217,7 @@ measure::attribution::Explanation explain_ray(const selection::SelectedRay& sele
     return measure::attribution::explain(*selected.form, format, selected.ray, forms, pixel);
 }
 
-Exit run(const ExplainOptions& options, const CommonOptions& common) {
+ExitStatus run(const ExplainOptions& options, const CommonOptions& common) {
     const measure::evaluate::TestedForm tested_form = select_tested_form(options);
     if (options.ranges.is_given) {
         if (options.fpcore || options.c)
@@ -241,7 +241,7 @@ Exit run(const ExplainOptions& options, const CommonOptions& common) {
         fmt::print("{}", selected.note);
         fmt::print("{}", output::attribution::explain_text(explanation, common.verbose, march));
     }
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 /// Adds the options that choose a ray of a scene or of a sweep.

@@ -16,8 +16,8 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "output/judge/judge_files.hpp"
-#include "scene/dump/number_parser.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/ray_file/number_parser.hpp"
 #include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/file_names.hpp"
 #include "text/count_with_noun.hpp"
@@ -29,7 +29,7 @@ using measure::answer::Outcome;
 using measure::judge::JudgeRequest;
 using measure::judge::JudgeResult;
 using measure::metric::Metric;
-using scene::dump::Dump;
+using scene::ray_file::RayFile;
 using selection::JudgeOptions;
 
 namespace {
@@ -51,7 +51,7 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
         group.primitives.front().shape = tested_forms.front().form->shape;
     }
     for (Primitive<double>& primitive : group.primitives)
-        if (has_matrices) primitive.placed = selection::placeholder_matrix();
+        if (has_matrices) primitive.transform = selection::placeholder_matrix();
     group.march = request.march;
 
     return metric_set.adapt_to_forms(selection::with_default_metrics(drawn_metrics, request.tested_forms),
@@ -61,7 +61,7 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
 
 /// Prints a note on stderr if the decimals of a file do not fit its format.
 void note_digits(const std::string& file, const Format& format, const JudgeResult& result) {
-    const auto digits_for = [](const Format& f) { return scene::dump::NumberParser(f).digits(); };
+    const auto digits_for = [](const Format& f) { return scene::ray_file::NumberParser(f).digits(); };
     const Format narrow = *find_format("f32");
     const bool is_wide = format.parameters.precision > binary32.precision;
     // A program that prints the shortest decimal of each number may never need the largest number of digits. A file
@@ -129,12 +129,12 @@ void print_results(const JudgeRequest& request, const JudgeResult& result, const
 
 /// The tested forms to judge: first the answers of the file, if it has some, then the forms of -i. Prints a note if
 /// external intersectors were loaded but -i names no form.
-std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOptions& options, const Dump& dump,
+std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOptions& options, const RayFile& ray_file,
                                                                const selection::ShapePredicate& can_test,
                                                                const intersect::table::Intersector* answers,
                                                                const CommonOptions& common) {
     std::vector<measure::evaluate::TestedForm> tested_forms;
-    if (answers) tested_forms.push_back({answers, dump.format()});
+    if (answers) tested_forms.push_back({answers, ray_file.format()});
 
     // Without -i only the answers of the file are judged.
     if (options.forms.empty()) {
@@ -153,7 +153,7 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOption
     }
 
     const auto formats =
-        options.formats.empty() ? std::vector{dump.format()} : selection::select_formats(options.formats);
+        options.formats.empty() ? std::vector{ray_file.format()} : selection::select_formats(options.formats);
     auto candidates = selection::pair_forms_with_formats(selection::select_forms(options.forms), formats);
     selection::require_no_generators(candidates, "judge");
     const auto handling_forms =
@@ -175,14 +175,14 @@ LOSTBITS_FIELDS(JudgeFindings, result, worst, stages)
 
 /// Judges the rays of a file. A shard judges its part of them and returns nothing; a run that joins shards adds up
 /// their findings.
-std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output::judge::JudgeWriter& writer,
+std::optional<JudgeResult> judge_rays(RayFile& ray_file, JudgeRequest& request, output::judge::JudgeWriter& writer,
                                       shard::Division& division,
-                                      const std::function<std::unique_ptr<Dump>()>& open_again) {
+                                      const std::function<std::unique_ptr<RayFile>()>& open_again) {
     request.pieces = division.units_of_shard([&] { return measure::judge::count_pieces(*open_again(), request); });
     auto findings = shard::result_with_files(
         JudgeFindings{.worst = writer.worst()}, writer, division, "judge", [&]() -> JudgeFindings {
             JudgeResult result = measure::judge::run_judge(
-                dump, request, [&writer](std::size_t form_index, const auto& chunk, const auto& band) {
+                ray_file, request, [&writer](std::size_t form_index, const auto& chunk, const auto& band) {
                     writer.add_piece(form_index, chunk, band);
                 });
             return {std::move(result), writer.worst(), *request.stages};
@@ -190,7 +190,7 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
     if (!findings) return std::nullopt;
     if (division.joins()) {
         writer.append(std::move(findings->worst));
-        measure::judge::require_ray_count(dump, request, findings->result);
+        measure::judge::require_ray_count(ray_file, request, findings->result);
     }
     *request.stages = findings->stages;
     return std::move(findings->result);
@@ -199,24 +199,24 @@ std::optional<JudgeResult> judge_rays(Dump& dump, JudgeRequest& request, output:
 /// Adds the primitives that all rays share to the request, with the numbers of the file's format. Returns the few that
 /// stand for all of them, see `representatives_of`.
 std::vector<Primitive<double>> add_primitives(JudgeRequest& request, const JudgeOptions& options,
-                                              const std::optional<scene::file::Scene>& scene, Dump& dump) {
-    request.primitives = selection::shared_primitives(options, scene, dump.format());
-    if (scene) request.mesh = scene::rays::stored_mesh(*scene, dump.format().parameters);
+                                              const std::optional<scene::file::Scene>& scene, RayFile& ray_file) {
+    request.primitives = selection::shared_primitives(options, scene, ray_file.format());
+    if (scene) request.mesh = scene::rays::stored_mesh(*scene, ray_file.format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     auto representatives = scene::rays::representatives_of(request.primitives, request.mesh.get());
-    selection::put_under_matrices(dump, representatives);
+    selection::transform_by_records(ray_file, representatives);
     return representatives;
 }
 
-std::unique_ptr<Dump> open_judged_file(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene) {
+std::unique_ptr<RayFile> open_judged_file(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene) {
     return selection::open_file(options, options.file, selection::shared_shape(options, scene),
                                 options.writes_rows || !options.by.empty());
 }
 
 /// The contract by which the answers of the file are judged. Throws InputError for one that the shape cannot have.
-intersect::Info read_contract(const JudgeOptions& options, const Dump& dump, Shapes shapes, Shape first_shape) {
-    intersect::Info contract = selection::answer_contract(options, dump);
-    if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
+intersect::Info read_contract(const JudgeOptions& options, const RayFile& ray_file, Shapes shapes, Shape first_shape) {
+    intersect::Info contract = selection::answer_contract(options, ray_file);
+    if (ray_file.layout().has_only_decisions()) contract.roots = intersect::Roots::none;
     intersect::external::require_valid_facing(contract.facing, first_shape, options.file);
     if (!shapes.are_several())
         intersect::refuse_unused_at_origin(contract.at_origin, contract.inside, first_shape, options.file);
@@ -224,25 +224,25 @@ intersect::Info read_contract(const JudgeOptions& options, const Dump& dump, Sha
 }
 
 /// Compares every row with the form of --against. Throws InputError if that form does not fit the file.
-void compare_with_form(const JudgeOptions& options, const Dump& dump, const selection::ShapePredicate& can_test,
+void compare_with_form(const JudgeOptions& options, const RayFile& ray_file, const selection::ShapePredicate& can_test,
                        JudgeRequest& request, bool quiet) {
     const auto against_forms = selection::select_forms({options.against}, "--against");
     const auto mixed_shapes = selection::several_shapes(can_test);
     if (mixed_shapes && !(against_forms.front()->shapes() == *mixed_shapes))
         throw InputError(fmt::format("--against {}: {}{}", options.against, options.file,
-                                     selection::forms_advice({{against_forms.front(), dump.format()}}, can_test)));
+                                     selection::forms_advice({{against_forms.front(), ray_file.format()}}, can_test)));
     selection::compare_against(request.tested_forms, options.against, quiet);
     // The comparison drops rows in formats that the form does not have.
     if (request.file_answers_form && !request.file_form_index())
         throw InputError(
             fmt::format("--against {}: this form does not exist in {}, the format of {}; name a form that does, or "
                         "--answer-format",
-                        options.against, dump.format().name, options.file));
+                        options.against, ray_file.format().name, options.file));
 }
 
 /// The size of the picture: that of --size, or of the array in the file. Throws InputError for a bad one.
-std::optional<std::pair<int, int>> select_picture_size(const JudgeOptions& options, const Dump& dump) {
-    const auto size = options.size.empty() ? dump.picture() : selection::parse_size(options.size);
+std::optional<std::pair<int, int>> select_picture_size(const JudgeOptions& options, const RayFile& ray_file) {
+    const auto size = options.size.empty() ? ray_file.picture() : selection::parse_size(options.size);
     const auto [width, height] = size.value_or(std::pair(1, 1));
     if (std::min(width, height) < 1 || std::max(width, height) > 65536)
         throw InputError(
@@ -257,7 +257,7 @@ std::optional<std::pair<int, int>> select_picture_size(const JudgeOptions& optio
 }
 
 /// Sets the metrics of the request. Returns those to draw.
-std::vector<const Metric*> add_metrics(JudgeRequest& request, const JudgeOptions& options, const Dump& dump,
+std::vector<const Metric*> add_metrics(JudgeRequest& request, const JudgeOptions& options, const RayFile& ray_file,
                                        measure::metric::MetricSet& metric_set, bool quiet) {
     auto drawn_metrics = options.metrics.empty() ? std::vector{measure::metric::find_metric("lost_bits")}
                                                  : selection::select_metrics(options.metrics, metric_set);
@@ -267,7 +267,7 @@ std::vector<const Metric*> add_metrics(JudgeRequest& request, const JudgeOptions
 
     auto measured_metrics = drawn_metrics;
     selection::add_requirement(options, metric_set, measured_metrics);
-    request.metrics = make_metrics(measured_metrics, request, dump.layout().has_matrix(), metric_set);
+    request.metrics = make_metrics(measured_metrics, request, ray_file.layout().has_matrix(), metric_set);
     // The metrics of the request are made for its forms, so these are drawn.
     for (const Metric*& m : drawn_metrics) m = request.metrics[measure::metric::index_of(request.metrics, m->name)];
     return drawn_metrics;
@@ -288,7 +288,7 @@ output::judge::JudgeWriterOptions make_files_options(const JudgeOptions& options
             .id = id,
             .title = "rays of " + std::filesystem::path(options.file).filename().string(),
             .command = command,
-            .single_pictures = options.pictures == "all",
+            .draws_single_pictures = options.pictures == "all",
             .writes_rows = options.writes_rows,
             .worst_count = options.worst_count};
 }
@@ -319,39 +319,40 @@ void note_suspicious_answers(const JudgeOptions& options, const JudgeRequest& re
     });
 }
 
-Exit run(const JudgeOptions& options, const CommonOptions& common) {
+ExitStatus run(const JudgeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const auto scene = selection::load_scene_of_rays(options, selection::data_folder(common.data));
-    const auto dump = open_judged_file(options, scene);
-    if (dump->layout().answers() > scene::dump::AnswerKind::first_hit)
-        return run_mesh_judge(options, scene, *dump, common);
+    const auto ray_file = open_judged_file(options, scene);
+    if (ray_file->layout().answer_kind() > scene::ray_file::AnswerKind::first_hit)
+        return run_mesh_judge(options, scene, *ray_file, common);
 
     JudgeRequest request{.limit = {.stop = common.stop}};
-    const auto representatives = add_primitives(request, options, scene, *dump);
-    const Shapes shapes = selection::shapes_of_rays(dump->layout(), representatives);
-    const Shape first_shape = dump->layout().primitive() ? *dump->layout().primitive() : representatives.front().shape;
+    const auto representatives = add_primitives(request, options, scene, *ray_file);
+    const Shapes shapes = selection::shapes_of_rays(ray_file->layout(), representatives);
+    const Shape first_shape =
+        ray_file->layout().primitive_shape() ? *ray_file->layout().primitive_shape() : representatives.front().shape;
     const selection::ShapePredicate can_test = [&](Shapes forms) {
         return forms == shapes || (forms == Shape::sdf && request.march.has_value());
     };
 
     // The rows: the answers of the file, and the forms of -i.
     const std::string stem = scene::toml::result_name(options.file);
-    const measure::judge::FileForm answers(stem, first_shape, read_contract(options, *dump, shapes, first_shape));
-    if (dump->layout().has_answers()) request.file_answers_form = &answers.form();
-    request.group_column = selection::group_column(options, dump->layout());
-    request.tested_forms = select_tested_forms(options, *dump, can_test, request.file_answers_form, common);
+    const measure::judge::FileForm answers(stem, first_shape, read_contract(options, *ray_file, shapes, first_shape));
+    if (ray_file->layout().has_first_hits()) request.file_answers_form = &answers.form();
+    request.group_column = selection::group_column(options, ray_file->layout());
+    request.tested_forms = select_tested_forms(options, *ray_file, can_test, request.file_answers_form, common);
     if (!options.forms.empty()) selection::note_unmeasured(options.forms, request.tested_forms, common.quiet);
-    if (!options.against.empty()) compare_with_form(options, *dump, can_test, request, common.quiet);
+    if (!options.against.empty()) compare_with_form(options, *ray_file, can_test, request, common.quiet);
 
-    request.picture = select_picture_size(options, *dump);
+    request.picture = select_picture_size(options, *ray_file);
     measure::metric::MetricSet metric_set;
-    const auto drawn_metrics = add_metrics(request, options, *dump, metric_set, common.quiet);
+    const auto drawn_metrics = add_metrics(request, options, *ray_file, metric_set, common.quiet);
     measure::truth::StageCounts stages;
     request.stages = &stages;
 
     const selection::ThreadLimit limit(common.threads);
-    const bool counts_bytes = dump->bytes() > 0;
-    output::file::Progress progress(counts_bytes ? dump->bytes() : 1, "judge", common.progress, common.quiet);
+    const bool counts_bytes = ray_file->bytes() > 0;
+    output::file::Progress progress(counts_bytes ? ray_file->bytes() : 1, "judge", common.progress, common.quiet);
     const auto advance = advance_callback(progress);
     request.progress = [&](std::uint64_t, std::uint64_t bytes) { advance(counts_bytes ? bytes : 0); };
 
@@ -362,20 +363,20 @@ Exit run(const JudgeOptions& options, const CommonOptions& common) {
         make_files_options(options, folder, stem, common.typed_command.text());
     if (request.picture) files_options.drawn_metrics = drawn_metrics;
     files_options.keep_piece = shard::piece_recorder(run_division.division, "judge");
-    output::judge::JudgeWriter writer(request, *dump, std::move(files_options));
+    output::judge::JudgeWriter writer(request, *ray_file, std::move(files_options));
     const auto judgement =
-        judge_rays(*dump, request, writer, run_division.division, [&] { return open_judged_file(options, scene); });
+        judge_rays(*ray_file, request, writer, run_division.division, [&] { return open_judged_file(options, scene); });
     finish_run(run_division, common);
     if (!judgement) {
         progress.finish();
-        return Exit::done;
+        return ExitStatus::done;
     }
 
     const bool wrote_worst_rays = writer.finish(*judgement);
     complete_folder(result_folder);
     progress.finish();
     if (!common.quiet) {
-        print_judgement(options, request, *judgement, dump->format(), common.verbose);
+        print_judgement(options, request, *judgement, ray_file->format(), common.verbose);
         if (request.picture) print_figure_paths(folder / "contact.png");
         else fmt::print("{}\n", (folder / "summary.csv").string());
         if (wrote_worst_rays) fmt::print("{}\n", (folder / "worst.toml").string());

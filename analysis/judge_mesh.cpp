@@ -10,7 +10,7 @@
 #include "measure/judge/judge.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/judge/mesh_answer_files.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "scene/rays/stored_mesh.hpp"
 #include "scene/toml/file_names.hpp"
 #include "text/count_with_noun.hpp"
@@ -19,7 +19,7 @@
 namespace lostbits::analysis {
 
 using measure::judge::MeshAnswersResult, measure::judge::MeshOutcome;
-using scene::dump::AnswerKind;
+using scene::ray_file::AnswerKind;
 using selection::JudgeOptions;
 
 namespace {
@@ -79,7 +79,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
     std::vector<std::string> cells{name, std::string(format.name)};
     for (std::size_t k = 0; k < measure::judge::mesh_outcome_rows.size(); ++k) {
         const auto outcome = static_cast<MeshOutcome>(k);
-        if (!can_be(outcome, result.kind)) continue;
+        if (!can_have_outcome(outcome, result.kind)) continue;
         const std::string title = output::map::name_in_words(name_of(outcome));
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
         cells.push_back(std::to_string(result.count(outcome)));
@@ -110,22 +110,23 @@ void print_faults(const MeshAnswersResult& result) {
 
 }  // namespace
 
-Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
-                    scene::dump::Dump& dump, const CommonOptions& common) {
-    const scene::dump::Layout& layout = dump.layout();
-    const AnswerKind kind = layout.answers();
-    require_options_of_kind(options, kind, layout.columns()[layout.index_of(scene::dump::slot_of(kind))].name);
-    measure::judge::MeshAnswersRequest request{.mesh = require_mesh(scene, options, dump.format()),
-                                               .contract = {.has_t = layout.has(scene::dump::slot::t),
-                                                            .unit_direction = options.direction == "unit",
-                                                            .touching_may_miss = options.touching == "miss",
-                                                            .facing = selection::answer_contract(options, dump).facing},
-                                               .limit = {.stop = common.stop}};
+ExitStatus run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file::Scene>& scene,
+                          scene::ray_file::RayFile& ray_file, const CommonOptions& common) {
+    const scene::ray_file::Layout& layout = ray_file.layout();
+    const AnswerKind kind = layout.answer_kind();
+    require_options_of_kind(options, kind, layout.columns()[layout.index_of(scene::ray_file::slot_of(kind))].name);
+    measure::judge::MeshAnswersRequest request{
+        .mesh = require_mesh(scene, options, ray_file.format()),
+        .contract = {.has_t = layout.has(scene::ray_file::slot::t),
+                     .unit_direction = options.direction == "unit",
+                     .touching_may_miss = options.touching == "miss",
+                     .facing = selection::answer_contract(options, ray_file).facing},
+        .limit = {.stop = common.stop}};
     if (kind == AnswerKind::inside) measure::judge::require_inside(request.mesh->mesh(), options.file);
 
     const selection::ThreadLimit threads(common.threads);
-    const bool counts_bytes = dump.bytes() > 0;
-    output::file::Progress progress(counts_bytes ? dump.bytes() : 1, "judge", common.progress, common.quiet);
+    const bool counts_bytes = ray_file.bytes() > 0;
+    output::file::Progress progress(counts_bytes ? ray_file.bytes() : 1, "judge", common.progress, common.quiet);
     request.progress = [&](std::uint64_t bytes) { progress.advance(counts_bytes ? bytes : 0); };
 
     // Opens the files, and judges the answers record by record.
@@ -135,22 +136,22 @@ Exit run_mesh_judge(const JudgeOptions& options, const std::optional<scene::file
     output::judge::MeshAnswerWriter writer(
         {.folder = folder,
          .name = name,
-         .format = std::string(dump.format().name),
+         .format = std::string(ray_file.format().name),
          .title = "answers of " + std::filesystem::path(options.file).filename().string(),
          .kind = kind,
          .writes_rows = options.writes_rows});
     const MeshAnswersResult result =
-        measure::judge::judge_mesh_answers(dump, request, [&](const auto& answers) { writer.add(answers); });
+        measure::judge::judge_mesh_answers(ray_file, request, [&](const auto& answers) { writer.add(answers); });
     writer.finish(result);
     complete_folder(result_folder);
     progress.finish();
 
     if (!common.quiet) {
-        selection::warn_of_rounded_values(options.file, result.rounded_count, dump.format());
+        selection::warn_of_rounded_values(options.file, result.rounded_count, ray_file.format());
         fmt::print("{} of {}, read as {}\n",
                    text::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), options.file,
-                   dump.format().name);
-        print_answers(name, dump.format(), result);
+                   ray_file.format().name);
+        print_answers(name, ray_file.format(), result);
         print_faults(result);
         fmt::print("{}\n", (folder / "summary.csv").string());
     }

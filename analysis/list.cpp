@@ -94,7 +94,7 @@ Listing intersectors(const CommonOptions& /*common*/) {
 }
 
 Listing formats(const CommonOptions& /*common*/) {
-    return make_listing({"name", "meaning"}, format_help, [](const FormatHelp& f) {
+    return make_listing({"name", "meaning"}, format_descriptions, [](const FormatDescription& f) {
         return Cells<2>{f.name, f.meaning};
     });
 }
@@ -309,12 +309,12 @@ constexpr std::pair<const char*, Listing (*)(const CommonOptions&)> lists[] = {
     {"devices", devices},
 };
 
-Exit run(const std::string& list_name, bool json, const CommonOptions& common) {
+ExitStatus run(const std::string& list_name, bool json, const CommonOptions& common) {
     const Listing chosen =
         std::ranges::find(lists, list_name, [](const auto& list) { return list.first; })->second(common);
     if (json) print_json(chosen);
     else print(chosen);
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 }  // namespace

@@ -21,7 +21,7 @@
 #include "commands.hpp"
 #include "intersect/external/guard.hpp"
 #include "intersect/process/floating_point.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "intersect/simd/packed.hpp"
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
@@ -120,7 +120,7 @@ void add_shell(const shell::Command& program) {
     const auto add_printer = [](const shell::Command& command, const std::function<std::string()>& text) {
         command.set_action([text] {
             fmt::print("{}", text());
-            return Exit::done;
+            return ExitStatus::done;
         });
     };
     auto completion = program.add_command(
@@ -146,7 +146,7 @@ std::vector<std::string> to_arguments(const CommonOptions& common) {
     return arguments;
 }
 
-Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards);
+ExitStatus run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards);
 
 void add_merge(const shell::Command& program, const CommonOptions& common) {
     shard::add_merge(program, program_and_version,
@@ -181,11 +181,11 @@ void load_external(const shell::Command& program, CommonOptions& common, const I
     shell::open_standard_streams();  // a library may have closed one
     if (common.quiet) return;
     selection::note_processor_states();
-    selection::note_unselected(program.given_commands().back());
+    selection::note_unused_external_forms(program.given_commands().back());
 }
 
 /// Runs the command that was given, and writes its table to standard output if `-o -` asks for it.
-Exit run_given_command(const shell::CommandLine& program, CommonOptions& common) {
+ExitStatus run_given_command(const shell::CommandLine& program, CommonOptions& common) {
     const IsCommand is_command = [name = program.given_commands().at(1).name()](const char* command) {
         return name == command;
     };
@@ -195,19 +195,19 @@ Exit run_given_command(const shell::CommandLine& program, CommonOptions& common)
     if (!loads_driver && !is_command("plugin")) load_external(program, common, is_command);
 
     shell::TableOnStdout table(program);
-    const Exit code = program.run();
+    const ExitStatus status = program.run();
     table.write();
     // `plugin` prints these notes itself, or its caller does.
     if (!common.quiet && !is_command("plugin")) {
         for (const std::string& note : intersect::external::noted_changes())
             fmt::print(stderr, "lostbits: {}\n", output::file::terminal_text(note));
     }
-    return code;
+    return status;
 }
 
 /// Runs the command that the arguments name. `shards`: its finished shards, which it joins; null: it does the work
 /// itself.
-Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards) {
+ExitStatus run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<shard::Shards> shards) {
     shell::CommandLine program("lostbits", program_and_version, description);
     CommonOptions common;
     common.shards_to_join = std::move(shards);
@@ -219,15 +219,15 @@ Exit run_arguments(const std::vector<std::string>& arguments, std::shared_ptr<sh
     add_shell(program);
     add_examples(program);
 
-    const shell::UpdatedArguments updated = shell::update_names(program, arguments);
+    const shell::UpdatedArguments updated = shell::replace_former_names(program, arguments);
     try {
         const auto parsed = program.parse(updated.arguments);
-        if (parsed == shell::CommandLine::Parsed::help) fmt::print("{}", shell::help_page(program, help_footer));
-        if (parsed != shell::CommandLine::Parsed::command) return Exit::done;
+        if (parsed == shell::CommandLine::ParseOutcome::help) fmt::print("{}", shell::help_page(program, help_footer));
+        if (parsed != shell::CommandLine::ParseOutcome::command) return ExitStatus::done;
     } catch (const shell::CommandLineError& error) {
         fmt::print(stderr, "lostbits: {}\nlostbits: see `{} --help`\n",
                    output::file::terminal_text(shell::describe_error(program, error)), program.command_path());
-        return Exit::bad_input;
+        return ExitStatus::bad_input;
     }
 
     if (!common.quiet)
@@ -254,13 +254,13 @@ namespace {
     const bool is_foreign = lostbits::intersect::process::has_foreign_code();
 
     // A lack of memory or of threads is a fault of the environment.
-    auto code = lostbits::Exit::environment;
+    auto status = lostbits::ExitStatus::environment;
     try {
         if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);
     } catch (const std::bad_alloc&) {
     } catch (const std::system_error&) {  // no more threads
     } catch (...) {
-        if (!is_foreign) code = lostbits::Exit::internal;
+        if (!is_foreign) status = lostbits::ExitStatus::internal;
     }
 
     if (foreign_code != nullptr)
@@ -273,10 +273,10 @@ namespace {
             stderr);
 
     // A supervisor prints the message about an exception of foreign code.
-    if (foreign_code != nullptr) lostbits::analysis::shell::report_status(static_cast<int>(code));
-    else if (!lostbits::analysis::shell::report_uncaught_exception(static_cast<int>(code)) && is_foreign)
+    if (foreign_code != nullptr) lostbits::analysis::shell::report_status(static_cast<int>(status));
+    else if (!lostbits::analysis::shell::report_uncaught_exception(static_cast<int>(status)) && is_foreign)
         std::fputs("lostbits: an uncaught exception ended the program\n", stderr);
-    std::_Exit(static_cast<int>(code));
+    std::_Exit(static_cast<int>(status));
 }
 
 /// Runs the whole program. Returns its exit status.
@@ -284,32 +284,32 @@ int run_program(int argc, char** argv) {
     using namespace lostbits;
     // stdio, not fmt: a closed stderr must not throw while an error is reported.
     const std::vector<std::string> arguments(argv, argv + argc);
-    const auto fail = [&arguments](Exit code, const char* message) {
+    const auto fail = [&arguments](ExitStatus status, const char* message) {
         const std::string text = analysis::shell::escape_line_breaks(message, arguments);
         std::fprintf(stderr, "lostbits: %s\n", output::file::terminal_text(text).c_str());
-        return static_cast<int>(code);
+        return static_cast<int>(status);
     };
     try {
         const scene::toml::FilesOfRun files;
-        const Exit code = analysis::run_arguments(arguments, nullptr);
+        const ExitStatus status = analysis::run_arguments(arguments, nullptr);
         // A failed write to stdout (to a full disk, by redirection) loses results, as a failed write to a file does.
         intersect::process::restore_limits();
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-            return fail(Exit::environment, "standard output: cannot write");
-        return static_cast<int>(code);
+            return fail(ExitStatus::environment, "standard output: cannot write");
+        return static_cast<int>(status);
     } catch (const Error& error) {
-        return fail(error.code(), error.what());
+        return fail(error.status(), error.what());
     } catch (const std::bad_alloc&) {
-        return fail(Exit::environment,
+        return fail(ExitStatus::environment,
                     "out of memory; try a smaller --size, fewer forms, or a mesh of fewer triangles");
     } catch (const std::filesystem::filesystem_error& error) {
-        return fail(Exit::bad_input, scene::toml::error_phrase(error).c_str());
+        return fail(ExitStatus::bad_input, scene::toml::error_phrase(error).c_str());
     } catch (const std::system_error& error) {  // a closed stdout, no more threads
-        return fail(Exit::environment, std::ferror(stdout) != 0 ? "standard output: cannot write" : error.what());
+        return fail(ExitStatus::environment, std::ferror(stdout) != 0 ? "standard output: cannot write" : error.what());
     } catch (const std::exception& error) {
-        return fail(Exit::internal, error.what());
+        return fail(ExitStatus::internal, error.what());
     } catch (...) {
-        return fail(Exit::internal,
+        return fail(ExitStatus::internal,
                     "an exception that is not a std::exception was thrown, perhaps by a library under test");
     }
 }

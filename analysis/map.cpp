@@ -18,9 +18,9 @@
 #include "measure/contract/suspect.hpp"
 #include "measure/study/bands.hpp"
 #include "output/attribution/explain_command.hpp"
+#include "output/map/bits_needed_files.hpp"
 #include "output/map/map_exr.hpp"
 #include "output/map/map_files.hpp"
-#include "output/map/needed_files.hpp"
 #include "scene/file/scene.hpp"
 #include "text/count_with_noun.hpp"
 
@@ -61,7 +61,7 @@ std::string canonical_command(const Scene& scene, const MapOptions& options) {
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& tested_forms) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const TestedForm& tested_form : tested_forms)
-        if (tested_form.form->rounded != nullptr) selection::add_once(forms, tested_form.form);
+        if (tested_form.form->rounded != nullptr) selection::append_if_missing(forms, tested_form.form);
     if (forms.empty())
         throw NothingSelected(
             "--bits: no selected form exists in formats of every width; `lostbits list forms` lists "
@@ -87,7 +87,7 @@ PlannedScene plan_scene(const Scene& scene, const MapOptions& options, const std
         selection::require_no_generators(tested_forms, "--bits");
         planned.bits_needed.emplace(BitsNeededStudy{.scene = scene,
                                                     .tested_forms = forms_of_any_width(planned.map.tested_forms),
-                                                    .bits = options.bits_needed,
+                                                    .correct_bits = options.bits_needed,
                                                     .limit = planned.map.limit});
     }
     return planned;
@@ -112,7 +112,7 @@ std::vector<const Metric*> exr_layers(const PlannedScene& planned, const MapOpti
                                       std::vector<const Metric*> drawn_metrics) {
     std::vector<const Metric*> layers{measure::metric::find_metric("lost_bits")};
     if (options.envelope) drawn_metrics.push_back(measure::metric::find_metric("excess_bits"));
-    for (const Metric* m : drawn_metrics) selection::add_once(layers, m);
+    for (const Metric* m : drawn_metrics) selection::append_if_missing(layers, m);
     std::erase_if(layers, [&planned](const Metric* m) {
         return std::ranges::find(planned.map.metrics, m) == planned.map.metrics.end();
     });
@@ -180,11 +180,12 @@ struct MapRun {
 };
 
 std::string map_job(const Scene& scene) { return "map " + scene.id; }
-std::string needed_job(const Scene& scene) { return "needed " + scene.id; }
+std::string bits_needed_job(const Scene& scene) { return "needed " + scene.id; }
 
 /// Measures the narrowest significands of a scene, if --bits asks for them. Nothing without --bits, and in a shard.
 std::vector<measure::evaluate::BitsNeededSummary> measure_bits_needed(
-    const PlannedScene& planned, std::optional<output::map::NeededWriter>& needed_files, const MapRun& map_run) {
+    const PlannedScene& planned, std::optional<output::map::BitsNeededWriter>& bits_needed_files,
+    const MapRun& map_run) {
     if (!planned.bits_needed) return {};
     const Scene& scene = *planned.map.scene;
     shard::Division& division = map_run.run_division.division;
@@ -193,7 +194,7 @@ std::vector<measure::evaluate::BitsNeededSummary> measure_bits_needed(
                                     planned.bits_needed->units() / division.share().count, map_run.common.quiet);
     BitsNeededStudy study = *planned.bits_needed;
     study.progress = advance_callback(map_run.progress, &estimate);
-    auto summaries = shard::run_divided(study, *needed_files, division, needed_job(scene));
+    auto summaries = shard::run_divided(study, *bits_needed_files, division, bits_needed_job(scene));
     return summaries ? std::move(*summaries) : std::vector<measure::evaluate::BitsNeededSummary>{};
 }
 
@@ -216,11 +217,11 @@ std::uint64_t map_scene(PlannedScene& planned, const MapOptions& options,
                                                     .command = canonical_command(scene, options),
                                                     .needed = planned.bits_needed ? &*planned.bits_needed : nullptr});
     output::map::MapExr* const exr = exr_file ? &*exr_file : nullptr;
-    std::optional<output::map::NeededWriter> needed_files;
+    std::optional<output::map::BitsNeededWriter> bits_needed_files;
     if (planned.bits_needed)
-        needed_files.emplace(*planned.bits_needed,
-                             output::map::NeededFilesOptions{folder, writes_pixels, exr,
-                                                             shard::piece_recorder(division, needed_job(scene))});
+        bits_needed_files.emplace(*planned.bits_needed, output::map::BitsNeededFilesOptions{
+                                                            folder, writes_pixels, exr,
+                                                            shard::piece_recorder(division, bits_needed_job(scene))});
     output::map::MapWriter files(
         planned.map,
         {.folder = folder,
@@ -232,17 +233,17 @@ std::uint64_t map_scene(PlannedScene& planned, const MapOptions& options,
          .sheet_with_explanations = map_run.sheet_with_explanations,
          .draws_envelope = options.envelope,
          .exr = exr,
-         .other_tables = needed_files ? needed_files->resources() : std::vector<output::file::DataResource>{},
+         .other_tables = bits_needed_files ? bits_needed_files->resources() : std::vector<output::file::DataResource>{},
          .range = selection::parse_range(options.range, drawn_metrics),
          .keep_piece = shard::piece_recorder(division, map_job(scene))});
 
     // A shard measures and records, but has no summaries.
     auto map_summaries = shard::run_divided(planned.map, files, division, map_job(scene));
-    const auto needed_summaries = measure_bits_needed(planned, needed_files, map_run);
+    const auto bits_needed_summaries = measure_bits_needed(planned, bits_needed_files, map_run);
     if (!map_summaries) return 0;
 
-    const SceneSummaries summaries{std::move(*map_summaries), needed_summaries};
-    if (planned.bits_needed) needed_files->finish(summaries.bits_needed);
+    const SceneSummaries summaries{std::move(*map_summaries), bits_needed_summaries};
+    if (planned.bits_needed) bits_needed_files->finish(summaries.bits_needed);
     files.finish(summaries.map);
     map_run.complete();
     if (!common.quiet)
@@ -297,7 +298,7 @@ RunDivision divide_map(const MapOptions& options, const std::vector<PlannedScene
     for (const PlannedScene& planned : planned_scenes) {
         files.push_back(planned.map.scene->path);
         jobs.push_back(map_job(*planned.map.scene));
-        if (planned.bits_needed) jobs.push_back(needed_job(*planned.map.scene));
+        if (planned.bits_needed) jobs.push_back(bits_needed_job(*planned.map.scene));
     }
     auto run_division = divide_run(options.shard, options.out, files, common);
     run_division.division.expect(jobs);
@@ -341,7 +342,7 @@ std::uint64_t map_scenes(const std::vector<PlannedScene>& planned_scenes, const 
     });
 }
 
-Exit run(MapOptions options, const CommonOptions& common) {
+ExitStatus run(MapOptions options, const CommonOptions& common) {
     require_folder(options.out);
     auto rows = selection::pair_forms_with_formats(selection::select_forms(options.forms),
                                                    selection::select_formats(options.formats));
@@ -365,7 +366,7 @@ Exit run(MapOptions options, const CommonOptions& common) {
     SceneFolders folders(scenes, run_division, common);
     print_notes(planned_scenes, options, metrics.drawn, common.quiet);
     const std::uint64_t unresolved = map_scenes(planned_scenes, options, metrics.drawn, folders, run_division, common);
-    if (!finish_run(run_division, common)) return Exit::done;
+    if (!finish_run(run_division, common)) return ExitStatus::done;
     for (const PlannedScene& planned : planned_scenes)
         note_suspicions(planned.map.tested_forms, common, [&planned](const TestedForm& tested_form) {
             return measure::contract::suspicion_text(*planned.map.scene, tested_form);

@@ -49,9 +49,9 @@ measure::evaluate::TestedForm select_tested_form(const MendOptions& options, con
                                      options.form, selection::formats_text(*forms.front())));
     selection::require_no_generators(forms, "mend");
 
-    // For primitives that matrices place, the form gets the usual transform.
+    // For transformed primitives, the form gets the usual transform method.
     const auto* form = forms.front();
-    if (can_test(form->shapes().placed()) && is_primitive(form->shape) && !form->is_placed)
+    if (can_test(form->shapes().with_transform()) && is_primitive(form->shape) && !form->has_transform_method)
         form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form);
     if (!can_test(form->shapes()))
         throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", options.form, id,
@@ -165,7 +165,7 @@ private:
                                     const std::vector<measure::evaluate::TestedForm>& tested_forms) {
         measure::choose::ChoiceRequest choice_request{.tested_forms = tested_forms, .requirement = request.requirement};
         choice_request.limit = request.limit;
-        return judge_and_sample(*opened_.dump, opened_.options, choice_request);
+        return judge_and_sample(*opened_.ray_file, opened_.options, choice_request);
     }
 
     const MendOptions& options_;
@@ -217,11 +217,12 @@ void require_shader_form(const std::string& emit, const measure::evaluate::Teste
         throw InputError("--emit " + emit +
                          ": shaders compute in f32; write -f f32, or a file name that ends in "
                          ".hpp");
-    if (tested_form.form->is_placed)
-        throw InputError("--emit " + emit +
-                         ": a shader cannot be written for a form with a transform; write --emit NAME.hpp, or mend the "
-                         "form without its transform, -i " +
-                         std::string(intersect::bounding_box::innermost_form(*tested_form.form).info->name));
+    if (tested_form.form->has_transform_method)
+        throw InputError(
+            "--emit " + emit +
+            ": a shader cannot be written for a form with a transform method; write --emit NAME.hpp, or mend the "
+            "form without its transform, -i " +
+            std::string(intersect::bounding_box::innermost_form(*tested_form.form).info->name));
 }
 
 /// The request without the rays of files, which keep a reference to it.
@@ -275,7 +276,7 @@ private:
     std::optional<output::file::AtomicFile> emitted_file_;
 };
 
-Exit run(const MendOptions& options, const CommonOptions& common) {
+ExitStatus run(const MendOptions& options, const CommonOptions& common) {
     require_compatible_options(options);
     MendSubject subject(options, common);
     RepairRequest request = make_request(options, subject, common.stop);
@@ -285,7 +286,7 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     const std::string name = subject.quoted_name(common);
     MendWriter writer(options, common, name, request.id());
     const measure::repair::RepairResult repair = repair_form(request);
-    RepairSummary result = output::repair::summarize_repair(request, repair);
+    RepairSummary result = output::repair::summarise_repair(request, repair);
     // Only a command for a scene can be made from its options.
     const std::string command = subject.scene ? mend_command(options) : common.typed_command.for_subject(name);
     if (options.price) add_prices(result, options, command);
@@ -294,7 +295,7 @@ Exit run(const MendOptions& options, const CommonOptions& common) {
     fmt::print("{}", output::repair::repair_text(result));
     if (!common.quiet) writer.print_paths();
     const bool meets_requirement = repair.wider_set || best_proposal(list_proposals(result), result);
-    return meets_requirement ? Exit::done : Exit::answer_is_no;
+    return meets_requirement ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 }  // namespace

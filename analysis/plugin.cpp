@@ -14,7 +14,7 @@
 #include "intersect/external/formulas.hpp"
 #include "intersect/external/pipe.hpp"
 #include "intersect/external/plugin.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "measure/contract/probe.hpp"
 #include "shapes/number_names.hpp"
 #include "text/count_with_noun.hpp"
@@ -29,17 +29,17 @@ using measure::contract::Observation;
 
 /// Answers requests on standard input with the forms of a library. If it cannot load the library, it sends the reason
 /// in place of the header.
-Exit serve(const std::string& library) {
+ExitStatus serve(const std::string& library) {
     const int output = redirect_standard_output("plugin serve");
-    intersect::process::keep_own_state();
+    intersect::process::save_process_state();
     std::vector<ForeignForm> forms;
     try {
         forms = intersect::external::load_plugin(intersect::external::find_plugin(library));
     } catch (const Error& error) {  // the process at the other end reports it
-        const std::string message = intersect::external::refusal_of(error);
-        return write(output, message.data(), message.size()) < 0 ? Exit::environment : error.code();
+        const std::string message = intersect::external::error_lines_of(error);
+        return write(output, message.data(), message.size()) < 0 ? ExitStatus::environment : error.status();
     }
-    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output)) return ExitStatus::done;
     throw InputError(
         "plugin serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --plugin LIBRARY "
         "--isolate` runs this command");
@@ -77,7 +77,7 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
 }
 
 /// Checks every form of a library or of a command. Returns answer_is_no if a form breaks one of its promises.
-Exit try_forms(const std::string& library, const CommonOptions& common) {
+ExitStatus try_forms(const std::string& library, const CommonOptions& common) {
     selection::ExternalOptions options = common.external;
     if (!library.empty()) options.plugins.push_back(library);
     if (const std::string libraries = selection::libraries_in_process(options); !libraries.empty())
@@ -95,7 +95,7 @@ Exit try_forms(const std::string& library, const CommonOptions& common) {
         const auto& answers = function->answers->batch32 ? function->answers->batch32 : function->answers->batch64;
         all_kept = print_trial(answers->form(), {}, common.quiet) && all_kept;
     }
-    return all_kept ? Exit::done : Exit::answer_is_no;
+    return all_kept ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ void add_plugin(const shell::Command& program, const CommonOptions& common) {
     check_command.set_action([library, &common] { return try_forms(*library, common); });
     auto serve_command = command.add_command(
         "serve", "Answer rays on standard input with the forms of a library (what --isolate starts)");
-    serve_command.hide();
+    serve_command.hide_from_help();
     serve_command.add("LIBRARY", *library, "The library").required();
     serve_command.set_action([library] { return serve(*library); });
 }

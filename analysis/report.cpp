@@ -328,7 +328,7 @@ PlannedReport plan_report(const ReportOptions& options, const std::filesystem::p
     const ReportForms forms{
         options, formats,
         selection::pair_forms_with_formats(
-            selection::select_forms(selection::form_patterns_or(options.forms, defaults.forms)), formats),
+            selection::select_forms(selection::form_patterns(options.forms, defaults.forms)), formats),
         claims};
 
     PlannedReport planned;
@@ -403,7 +403,7 @@ void measure_requested_sections(output::report::Report& report, const PlannedRep
     if (options.trade) measure_trades(report, options);
 }
 
-Exit run(const ReportOptions& options, const CommonOptions& common) {
+ExitStatus run(const ReportOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     const auto data = selection::data_folder(common.data);
     PlannedReport planned = plan_report(options, data);
@@ -430,11 +430,11 @@ Exit run(const ReportOptions& options, const CommonOptions& common) {
     file.commit();
     complete_folder(folder);
     if (!common.quiet) fmt::print("{}\n", file.path().string());
-    if (const Exit exit_code = report_unproved(unresolved); exit_code != Exit::done) return exit_code;
+    if (const ExitStatus exit_code = report_unproved(unresolved); exit_code != ExitStatus::done) return exit_code;
     const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
         return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
     });
-    return all_agree ? Exit::done : Exit::answer_is_no;
+    return all_agree ? ExitStatus::done : ExitStatus::answer_is_no;
 }
 
 }  // namespace

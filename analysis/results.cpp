@@ -13,7 +13,7 @@
 #include "number/error.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/image/figure.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "text/count_with_noun.hpp"
 
 namespace lostbits::analysis {
@@ -68,7 +68,7 @@ std::uint64_t SceneFolders::for_each(std::size_t scene_count, output::file::Prog
             });
         } catch (const Interrupted&) {
             if (k == 0 || folders_.empty()) throw;
-            throw Error(Exit::interrupted,
+            throw Error(ExitStatus::interrupted,
                         fmt::format("interrupted: the files of {} are kept", count_with_noun(k, "finished scene")));
         }
         if (!folders_.empty()) folders_[k].reset();
@@ -164,11 +164,11 @@ double parse_quantile(const std::string& text) {
     }
 }
 
-Exit report_unproved(std::uint64_t rays, int bits) {
-    if (rays == 0) return Exit::done;
+ExitStatus report_unproved(std::uint64_t rays, int bits) {
+    if (rays == 0) return ExitStatus::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
                count_with_noun(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
-    return Exit::internal;
+    return ExitStatus::internal;
 }
 
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,
@@ -230,10 +230,10 @@ void add_wrong_cells(std::vector<std::string>& cells, const measure::evaluate::F
         cells.push_back(std::to_string(summary.count(outcome)));
 }
 
-void print_table(const measure::evaluate::MapStudy& request,
+void print_table(const measure::evaluate::MapStudy& study,
                  const std::vector<measure::evaluate::FormSummary>& summaries) {
-    const std::size_t lost_bits = measure::metric::index_of(request.metrics, "lost_bits");
-    const bool has_mesh = request.scene != nullptr && request.scene->mesh;
+    const std::size_t lost_bits = measure::metric::index_of(study.metrics, "lost_bits");
+    const bool has_mesh = study.scene != nullptr && study.scene->mesh;
     std::vector<shell::TextColumn> columns{{"form", 28, true}, {"fmt", 5, true}, {"hits", 8}};
     if (has_mesh) add_mesh_columns(columns);
     add_wrong_columns(columns);
@@ -243,8 +243,8 @@ void print_table(const measure::evaluate::MapStudy& request,
     bool is_withheld = false;  // a row has hits, but too few for its quantiles
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const measure::evaluate::FormSummary& summary = summaries[r];
-        std::vector<std::string> cells{std::string(request.tested_forms[r].form->info->name),
-                                       std::string(request.tested_forms[r].format.name),
+        std::vector<std::string> cells{std::string(study.tested_forms[r].form->info->name),
+                                       std::string(study.tested_forms[r].format.name),
                                        std::to_string(summary.count(measure::answer::Outcome::agree_hit))};
         if (has_mesh) add_mesh_cells(cells, summary, measure::contract::AnswerSource::intersector);
         add_wrong_cells(cells, summary);
@@ -257,10 +257,10 @@ void print_table(const measure::evaluate::MapStudy& request,
         fmt::print("  -: form and truth agree on less than a tenth of the true hits, too few to represent the form\n");
 }
 
-void print_table(const measure::evaluate::BitsNeededStudy& request,
+void print_table(const measure::evaluate::BitsNeededStudy& study,
                  const std::vector<measure::evaluate::BitsNeededSummary>& summaries) {
     shell::TextTable table({{"form", 28, true},
-                            {fmt::format("bits for {} correct: p50", request.bits), 24},
+                            {fmt::format("bits for {} correct: p50", study.correct_bits), 24},
                             {"p99", 6},
                             {"max", 6},
                             {"hits beyond 53", 16},
@@ -268,7 +268,7 @@ void print_table(const measure::evaluate::BitsNeededStudy& request,
     for (std::size_t f = 0; f < summaries.size(); ++f) {
         const auto all = summaries[f].all();
         const auto bits = [&all](double q) { return fmt::format("{}", all.quantile(q)); };
-        table.add({std::string(request.tested_forms[f]->info->name), bits(0.5), bits(0.99), bits(1),
+        table.add({std::string(study.tested_forms[f]->info->name), bits(0.5), bits(0.99), bits(1),
                    std::to_string(summaries[f].hits_beyond), std::to_string(summaries[f].misses_beyond)});
     }
     table.print();

@@ -48,7 +48,7 @@ void warn_about_loops(const ShaderSource& shader, const Arithmetic& arithmetic) 
 
 /// Compiles the shader, then answers requests on standard input. If the shader does not compile or no device runs it,
 /// writes the reason to standard output in place of the header.
-Exit serve_shader(const std::string& shader_name, const std::string& device_kind) {
+ExitStatus serve_shader(const std::string& shader_name, const std::string& device_kind) {
     const int output_fd = redirect_standard_output("shader serve");
     // Ends with its parent. A process whose driver hangs would not notice the end of its input.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -64,17 +64,17 @@ Exit serve_shader(const std::string& shader_name, const std::string& device_kind
                        device->description().renderer);
         forms = forms_of(shader, device, !device_kind.empty(), describe_device(device->description(), arithmetic));
     } catch (const Error& error) {
-        const std::string message = intersect::external::refusal_of(error);
-        return write(output_fd, message.data(), message.size()) < 0 ? Exit::environment : error.code();
+        const std::string message = intersect::external::error_lines_of(error);
+        return write(output_fd, message.data(), message.size()) < 0 ? ExitStatus::environment : error.status();
     }
-    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output_fd)) return Exit::done;
+    if (intersect::external::serve_pipe(forms, STDIN_FILENO, output_fd)) return ExitStatus::done;
     throw InputError(
         "shader serve: standard input is not a request of lostbits-pipe/1; only `lostbits … --shader FILE.glsl` runs "
         "this command");
 }
 
 /// Prints the facts about a device and its rounding, one line `key=value` for each, and an empty line.
-Exit send_device_facts(const std::string& device_kind) {
+ExitStatus send_device_facts(const std::string& device_kind) {
     const int output_fd = redirect_standard_output("shader probe");
     std::string text;
     try {
@@ -84,7 +84,7 @@ Exit send_device_facts(const std::string& device_kind) {
         text = fmt::format("device={}\nrenderer={}\nvendor={}\nversion={}\ndriver={}\ndigest={:016x}\n",
                            description.kind, description.renderer, description.vendor, description.version,
                            description.driver, arithmetic.digest);
-        for (const Fact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
+        for (const DeviceFact& fact : arithmetic.facts) text += fmt::format("{}={}\n", fact.key, fact.value);
     } catch (const Error& error) {
         const std::string_view message = error.what();
         const std::string prefix = device_kind.empty() ? "" : device_kind + ": ";
@@ -92,7 +92,7 @@ Exit send_device_facts(const std::string& device_kind) {
         std::ranges::replace(text.begin(), text.end() - 1, '\n', ' ');
     }
     text += "\n";
-    return write(output_fd, text.data(), text.size()) < 0 ? Exit::environment : Exit::done;
+    return write(output_fd, text.data(), text.size()) < 0 ? ExitStatus::environment : ExitStatus::done;
 }
 
 void print_device(const selection::DeviceReport& report) {
@@ -106,7 +106,7 @@ void print_device(const selection::DeviceReport& report) {
     }
 }
 
-Exit show_devices(bool json, const CommonOptions& common) {
+ExitStatus show_devices(bool json, const CommonOptions& common) {
     auto array = nlohmann::ordered_json::array();
     bool any_available = false;
     std::vector<std::string> kinds = selection::select_devices(common.external.devices);
@@ -123,7 +123,7 @@ Exit show_devices(bool json, const CommonOptions& common) {
     if (json) fmt::print("{}\n", array.dump(2));
     else if (any_available && !common.quiet) fmt::print("tried on {}\n", probed_inputs);
     if (!any_available) throw EnvironmentError("no driver can run shaders here; docs/shader.md says what to install");
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 }  // namespace
@@ -138,7 +138,7 @@ void add_devices(const shell::Command& program, const CommonOptions& common) {
 
 void add_shader(const shell::Command& program, const CommonOptions& /*common*/) {
     auto command = program.add_command("shader", "The process of a shader, which --shader starts");
-    command.hide();
+    command.hide_from_help();
     const auto file = std::make_shared<std::string>(), device_kind = std::make_shared<std::string>();
     auto serve_command =
         command.add_command("serve", "Answer rays on standard input with a shader (what --shader starts)");

@@ -177,7 +177,7 @@ std::uint64_t measure_scene(typename Adapter::Presentation::Study study, const S
             Adapter::print_results(study, *summaries, run.common.verbose);
         });
     }
-    return Adapter::unproved(*summaries);
+    return Adapter::unproved_count(*summaries);
 }
 
 /// The studies of the scenes, and what they need.
@@ -198,8 +198,8 @@ PlannedStudies<Adapter> plan_studies(const std::vector<Scene>& scenes,
         const auto can_test = [&](Shapes forms) { return scene.accepts(forms); };
         planned.studies.push_back(Adapter::make_study(scene, selection::filter_tested_forms(tested_forms, can_test),
                                                       options.values, common.stop));
-        if constexpr (requires { Adapter::note(scene, options.values); })
-            if (!common.quiet) Adapter::note(scene, options.values);
+        if constexpr (requires { Adapter::print_missing_stages(scene, options.values); })
+            if (!common.quiet) Adapter::print_missing_stages(scene, options.values);
         planned.jobs.push_back(fmt::format("{} {}", Adapter::name, scene.id));
         std::ranges::move(ExtraFiles<Adapter>::jobs(planned.studies.back(), options.values),
                           std::back_inserter(planned.jobs));
@@ -210,10 +210,10 @@ PlannedStudies<Adapter> plan_studies(const std::vector<Scene>& scenes,
 }
 
 template <class Adapter>
-Exit run_command(const StudyOptions& options, const CommonOptions& common) {
+ExitStatus run_command(const StudyOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     auto rows = selection::pair_forms_with_formats(
-        selection::select_forms(selection::form_patterns_or(options.forms, Adapter::usual_forms())),
+        selection::select_forms(selection::form_patterns(options.forms, Adapter::usual_forms())),
         selection::select_formats(options.formats));
     std::erase_if(rows, [](const auto& tested_form) { return !Adapter::can_measure(*tested_form.form); });
     if (rows.empty()) throw NothingSelected(Adapter::no_form_message);

@@ -32,17 +32,17 @@ void print_onsets(const measure::sweep::SweepRequest& request, const std::vector
                "first_bad over draws");
     for (const measure::sweep::Onset& onset : onsets) {
         // An onset from the last step says nothing if that step is bad already.
-        if (!onset.found || (onset.from_last && onset.from_start)) continue;
+        if (!onset.found || (onset.reads_backwards && onset.happens_at_start)) continue;
         const TestedForm& tested_form = request.tested_forms[onset.form_index];
         // If the first step is bad already, there is no last good value.
         const auto spread = onset.spread();
         fmt::print("  {:<28}  {:<6}  {:<13}  {:<9}  {:>9}  {:<9}  {:>14}  {:>14.8g}  {:>15}  {}\n",
                    tested_form.form->info->name, tested_form.format.name, onset.event, onset.statistic, onset.threshold,
-                   onset.from_last ? "last" : "first", onset.from_start ? "-" : fmt::format("{:.8g}", onset.last_good),
-                   onset.first_bad,
-                   !onset.recovers     ? "-"
-                   : onset.good_at_end ? "to the end"
-                                       : fmt::format("{:.8g}", onset.last_good_after),
+                   onset.reads_backwards ? "last" : "first",
+                   onset.happens_at_start ? "-" : fmt::format("{:.8g}", onset.last_good), onset.first_bad,
+                   !onset.recovers        ? "-"
+                   : onset.is_good_at_end ? "to the end"
+                                          : fmt::format("{:.8g}", onset.last_good_after),
                    onset.further_first_bad.empty()
                        ? ""
                        : fmt::format("{:.4g} to {:.4g}, median {:.4g}", spread.low, spread.high, spread.median));
@@ -190,7 +190,7 @@ ShapePredicate check_file(const std::filesystem::path& path, SweepKind kind, con
 void resume_stopped(const std::vector<std::unique_ptr<ExhaustiveRun>>& runs) {
     const bool has_stopped_run = std::ranges::any_of(runs, [](const auto& run) { return run->was_stopped(); });
     for (const auto& run : runs)
-        if (!has_stopped_run || run->was_stopped()) run->resume();
+        if (!has_stopped_run || run->was_stopped()) run->read_saved_state();
 }
 
 /// A sweep of the run: its file, and the forms that can test it.
@@ -269,11 +269,11 @@ void run_sweep(const PlannedSweepFile& sweep, const SweepSelection& chosen) {
         else if (sweep.kind == SweepKind::search) run_search(sweep.path, chosen);
         else if (sweep.kind == SweepKind::edge_search) run_edge_search(sweep.path, chosen);
     } catch (const Interrupted&) {
-        throw Error(Exit::interrupted, selection::interrupted_text(sweep.kind, sweep.path.stem().string()));
+        throw Error(ExitStatus::interrupted, selection::interrupted_text(sweep.kind, sweep.path.stem().string()));
     }
 }
 
-Exit run(SweepOptions options, const CommonOptions& common) {
+ExitStatus run(SweepOptions options, const CommonOptions& common) {
     measure::metric::MetricSet metric_set;
     RunDivision run_division;
     SweepSelection chosen{{}, {}, metric_set, run_division, options, common};

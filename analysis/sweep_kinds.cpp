@@ -56,7 +56,7 @@ ExhaustiveRun::ExhaustiveRun(const std::filesystem::path& path, const SweepSelec
     }
 }
 
-void ExhaustiveRun::resume() {
+void ExhaustiveRun::read_saved_state() {
     state_file_.read([this](output::shard::BitReader& bits) {
         bits(state_);
         state_.require_match(request_);
@@ -88,7 +88,8 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keeps_state) {
         if (!chosen_.common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; repeat the command with --resume to continue\n",
                        sweep_.id, percent(state_.floats_tried, floats));
-        throw Error(Exit::interrupted, selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
+        throw Error(ExitStatus::interrupted,
+                    selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
     progress.finish();
     if (keeps_state) state_file_.write(output::shard::bits_of(state_));

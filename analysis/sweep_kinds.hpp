@@ -90,7 +90,7 @@ public:
 
     [[nodiscard]] bool was_stopped() const { return state_file_.exists(); }
     /// Reads the state of a stopped run. Throws InputError if there is none, or if it belongs to another run.
-    void resume();
+    void read_saved_state();
     /// Tries the floats that are left and writes the results, or records them in a shard. Keeps its state if it is
     /// stopped, or if others follow. Returns the number of truths that were not proved.
     std::uint64_t run(bool others_follow);

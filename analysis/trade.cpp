@@ -40,7 +40,7 @@ measure::trade::TimingPlan timing_plan(const TradeOptions& options) {
     return plan;
 }
 
-Exit run(const TradeOptions& options, const CommonOptions& common) {
+ExitStatus run(const TradeOptions& options, const CommonOptions& common) {
     require_folder(options.out);
     auto rows = selection::pair_forms_with_formats(selection::select_forms(options.forms),
                                                    selection::select_formats(options.formats));
@@ -62,7 +62,7 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
     const auto result_folder = lock_folder(folder, common, scene ? text::shell_word(options.scene) : "");
     output::trade::TradeWriter writer(request, folder);
     const selection::ThreadLimit limit(common.threads);
-    if (scene && !common.quiet) selection::note_idle_settings(options.set, scene->id, rows);
+    if (scene && !common.quiet) selection::note_ineffective_settings(options.set, scene->id, rows);
     output::file::Progress progress(measure::trade::trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);
@@ -73,7 +73,7 @@ Exit run(const TradeOptions& options, const CommonOptions& common) {
     progress.finish();
     if (!common.quiet)
         fmt::print("{}\n{}\n", output::trade::trade_text(request, result), (folder / "pareto.csv").string());
-    return Exit::done;
+    return ExitStatus::done;
 }
 
 }  // namespace

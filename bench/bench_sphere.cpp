@@ -150,8 +150,8 @@ void register_all() {
         benchmark::RegisterBenchmark((name + "/without_rounding").c_str(), [&i](benchmark::State& s) { self(s, i); });
     }
     for (const intersect::simd::Isa isa : intersect::simd::available_isas())
-        for (const intersect::simd::PackedRow& row :
-             intersect::simd::packed_rows(isa).first(intersect::table::intersectors(Shape::sphere).size())) {
+        for (const intersect::simd::PackedFormKernels& row :
+             intersect::simd::all_packed_kernels(isa).first(intersect::table::intersectors(Shape::sphere).size())) {
             const std::string name = "packed_" + std::string(name_of(isa)) + "/" + std::string(row.info->name);
             benchmark::RegisterBenchmark((name + "/f32").c_str(),
                                          [&row](benchmark::State& s) { form<float>(s, row.f32); });

@@ -35,7 +35,7 @@ std::vector<Ray<double>> unit_rays(const scene::rays::RayGroup& group) {
 
 /// Many rays of one view of a ray distribution: hits, and misses close to the sphere.
 RayPool view_of(SphereDistribution hits) {
-    hits = scene::rays::of_one_view(hits);
+    hits = scene::rays::with_single_view(hits);
     SphereDistribution misses = hits;
     misses.impact_from = 1.1;
     misses.impact_to = 1.5;
@@ -58,7 +58,7 @@ std::vector<Rays> sphere_rays() {
 std::vector<Rays> box_rays() {
     using Aim = scene::box::BoxDistribution::Aim;
     const auto view = [](const scene::box::BoxDistribution& distribution) {
-        const auto group = scene::rays::of_one_view(distribution).draw().front();
+        const auto group = scene::rays::with_single_view(distribution).draw().front();
         return RayPool{group.primitives.front(), unit_rays(group), unit_rays(group)};
     };
     return {{"easy", measure::trade::ray_pool(Shape::box), 0.5},
@@ -87,8 +87,8 @@ measure::trade::TimedWork work_on(const std::shared_ptr<measure::trade::RayStore
     return {[store, kernel] { store->run(kernel); }, store->rays_per_run(), true};
 }
 
-const intersect::simd::PackedRow& row_of(Isa isa, std::string_view form) {
-    const auto rows = intersect::simd::packed_rows(isa);
+const intersect::simd::PackedFormKernels& row_of(Isa isa, std::string_view form) {
+    const auto rows = intersect::simd::all_packed_kernels(isa);
     return *std::ranges::find_if(rows, [form](const auto& row) { return row.info->name == form; });
 }
 
@@ -98,7 +98,7 @@ void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>&
     const auto store = std::make_shared<measure::trade::RayStore<S>>(rays.pool, bytes, rays.hit_rate, 0, 1);
     std::vector<std::pair<std::string, measure::trade::TimedWork>> all;
     for (const std::string_view form : forms) {
-        const intersect::simd::PackedRow& row = row_of(isa, form);
+        const intersect::simd::PackedFormKernels& row = row_of(isa, form);
         if constexpr (sizeof(S) == 4) all.emplace_back(form, work_on(store, row.f32));
         else if (row.f64) all.emplace_back(form, work_on(store, row.f64));
     }

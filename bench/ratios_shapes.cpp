@@ -19,15 +19,15 @@ using measure::truth::Tightness;
 
 /// A transform: rotation about (1, 2, 2) with cosine 3/5, scale 1.5, and a translation. Its numbers are rounded to
 /// binary32.
-Placement<double> turned() {
-    const Placement<double> placed{{0.9666667, -0.6666667, 0.9333333, 12, 0.9333333, 1.1666667, -0.1333333, -7,
-                                    -0.6666667, 0.6666667, 1.1666667, 5},
-                                   false,
-                                   1};
-    return transformed(placed, [](double x) { return static_cast<double>(static_cast<float>(x)); });
+Transform<double> turned() {
+    const Transform<double> transform{{0.9666667, -0.6666667, 0.9333333, 12, 0.9333333, 1.1666667, -0.1333333, -7,
+                                       -0.6666667, 0.6666667, 1.1666667, 5},
+                                      false,
+                                      1};
+    return convert_numbers(transform, [](double x) { return static_cast<double>(static_cast<float>(x)); });
 }
 
-/// The easy rays of a shape's ray distribution at one primitive, or the same under a matrix.
+/// The easy rays of a shape's ray distribution at one primitive, or the same with a transform.
 struct ShapeSet {
     Shape shape;
     std::array<std::vector<double>, 6> wide;
@@ -35,13 +35,13 @@ struct ShapeSet {
     Primitive<double> primitive;
     std::array<float, max_primitive_numbers> narrow_numbers{};
 
-    ShapeSet(const scene::rays::RayGroup& group, std::optional<Placement<double>> placed)
+    ShapeSet(const scene::rays::RayGroup& group, std::optional<Transform<double>> transform)
         : shape(group.primitives.front().shape), primitive(group.primitives.front()) {
-        primitive.placed = placed;
+        primitive.transform = transform;
         std::mt19937_64 engine(20261126);
         for (std::size_t i = 0; i < group.rays.size(); ++i) {
             Ray<double> ray = group.rays[i];
-            if (placed) ray = {placed->map().point(ray.origin), placed->map().linear(ray.direction)};
+            if (transform) ray = {transform->map().point(ray.origin), transform->map().linear(ray.direction)};
             for (int k = 0; k < 6; ++k) {
                 const double x = k < 3 ? ray.origin[k] : ray.direction[k - 3];
                 narrow[static_cast<std::size_t>(k)].push_back(static_cast<float>(x));
@@ -52,8 +52,8 @@ struct ShapeSet {
         }
         for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
             narrow_numbers[k] = static_cast<float>(primitive.numbers[k]);
-        for (std::size_t k = max_shape_numbers; placed && k < max_primitive_numbers; ++k)
-            narrow_numbers[k] = static_cast<float>(placed->matrix[k - max_shape_numbers]);
+        for (std::size_t k = max_shape_numbers; transform && k < max_primitive_numbers; ++k)
+            narrow_numbers[k] = static_cast<float>(transform->matrix[k - max_shape_numbers]);
     }
     template <class S>
     [[nodiscard]] ProblemColumns<S> problems() const {
@@ -66,11 +66,11 @@ struct ShapeSet {
             if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(&narrow_numbers[k], 1);
             else p.primitive[k] = std::span(&primitive.numbers[k], 1);
         }
-        for (std::size_t k = max_shape_numbers; primitive.placed && k < max_primitive_numbers; ++k) {
+        for (std::size_t k = max_shape_numbers; primitive.transform && k < max_primitive_numbers; ++k) {
             if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(&narrow_numbers[k], 1);
-            else p.primitive[k] = std::span(&primitive.placed->matrix[k - max_shape_numbers], 1);
+            else p.primitive[k] = std::span(&primitive.transform->matrix[k - max_shape_numbers], 1);
         }
-        if (primitive.placed) p.matrix = {true, false, primitive.placed->orientation};
+        if (primitive.transform) p.matrix = {true, false, primitive.transform->orientation};
         return p;
     }
 };
@@ -79,7 +79,7 @@ struct ShapeSet {
 
 void print_truth_of_shapes() {
     struct Pair {
-        ShapeSet own, placed;
+        ShapeSet own, transformed;
     };
     std::vector<Pair> sets;
     for (const auto& distribution : scene::sweep::distributions()) {
@@ -89,10 +89,10 @@ void print_truth_of_shapes() {
     std::printf("%-12s %14s %14s %14s %14s %14s %14s   rays that hit, one primitive, packs of %s\n", "truth",
                 "24 bits, ns", "53 bits, ns", "under a matrix", "53 bits, ns", "times, 24", "times, 53",
                 std::string(name_of(intersect::simd::current_isa())).c_str());
-    for (const auto& [own, placed] : sets) {
+    for (const auto& [own, transformed] : sets) {
         static measure::truth::TruthColumns out;
         std::vector<measure::trade::TimedWork> work;
-        for (const ShapeSet* const set : {&own, &placed}) {
+        for (const ShapeSet* const set : {&own, &transformed}) {
             const std::size_t rays = set->narrow[0].size();
             work.push_back(
                 {[set] { find_truth_columns(set->problems<float>(), {.tightness = Tightness::ulps_of_binary32}, out); },

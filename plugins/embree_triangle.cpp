@@ -52,7 +52,7 @@ Answer<float> triangle(const Ray<float>& r, const Triangle<float>& s) {
     return ray.hit.geomID == RTC_INVALID_GEOMETRY_ID ? miss : Answer<float>(ray.ray.tfar);
 }
 template <RTCSceneFlags flags>
-const char* packets(const lb_batch* b) {
+const char* packs(const lb_batch* b) {
     const auto *ray = static_cast<const float*>(b->rays), *ends = static_cast<const float*>(b->ends);
     for (std::size_t i = 0, n = 0; i < b->size; i += n) {
         n = b->primitive_stride == 0 ? std::min<std::size_t>(8, b->size - i) : 1;
@@ -82,7 +82,7 @@ constexpr Form one(const char* name) {
 template <RTCSceneFlags flags>
 constexpr Form eight(const char* name) {
     Form made = one<flags>(name);
-    made.run = packets<flags>;
+    made.run = packs<flags>;
     return made;
 }
 constexpr auto plain = RTC_SCENE_FLAG_NONE, robust = RTC_SCENE_FLAG_ROBUST;

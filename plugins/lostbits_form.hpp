@@ -37,18 +37,18 @@
 namespace lostbits::intersect::external {
 
 template <class Width, class... Form>
-void fill_own_rows(simd::RawRow* row) {
-    ((*row++ = simd::raw_row<Form, Width>()), ...);
+void fill_own_rows(simd::RawFormKernels* row) {
+    ((*row++ = simd::raw_form_kernels<Form, Width>()), ...);
 }
 
 }  // namespace lostbits::intersect::external
 
-#define LOSTBITS_FORMULAS(...)                                       \
-    namespace lostbits::intersect::external {                        \
-    void LOSTBITS_WITH_WIDTH_SUFFIX(fill_own)(simd::RawRow * rows);  \
-    void LOSTBITS_WITH_WIDTH_SUFFIX(fill_own)(simd::RawRow * rows) { \
-        fill_own_rows<BuildRegisters, __VA_ARGS__>(rows);            \
-    }                                                                \
+#define LOSTBITS_FORMULAS(...)                                               \
+    namespace lostbits::intersect::external {                                \
+    void LOSTBITS_WITH_WIDTH_SUFFIX(fill_own)(simd::RawFormKernels * rows);  \
+    void LOSTBITS_WITH_WIDTH_SUFFIX(fill_own)(simd::RawFormKernels * rows) { \
+        fill_own_rows<BuildRegisters, __VA_ARGS__>(rows);                    \
+    }                                                                        \
     }
 
 #else
@@ -60,9 +60,9 @@ void fill_own_rows(simd::RawRow* row) {
 namespace lostbits::intersect::external {
 
 // Null for register widths that are not linked.
-[[gnu::weak]] void fill_own_w128(simd::RawRow* rows);
-[[gnu::weak]] void fill_own_w256(simd::RawRow* rows);
-[[gnu::weak]] void fill_own_w512(simd::RawRow* rows);
+[[gnu::weak]] void fill_own_w128(simd::RawFormKernels* rows);
+[[gnu::weak]] void fill_own_w256(simd::RawFormKernels* rows);
+[[gnu::weak]] void fill_own_w512(simd::RawFormKernels* rows);
 
 }  // namespace lostbits::intersect::external
 

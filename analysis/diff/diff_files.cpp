@@ -69,7 +69,7 @@ Comparison compare_files(const fs::path& a, const fs::path& b, FileKind kind, co
     const std::string bytes_a = output::file::read_file(a);
     Comparison byte_comparison = output::diff::compare_bytes(bytes_a, output::file::read_file(b));
     const bool has_named_columns = !options.tolerances.empty() || !options.ignored.empty();
-    if (kind == FileKind::bytes || (byte_comparison.same() && !(kind == FileKind::exr && has_named_columns)))
+    if (kind == FileKind::bytes || (byte_comparison.is_same() && !(kind == FileKind::exr && has_named_columns)))
         return byte_comparison;
     if (kind == FileKind::exr) return output::diff::compare_exr(a, b, options);
     return read_and_compare([&](const fs::path& path) { return output::image::image_backend().read_png(path); });
@@ -110,7 +110,7 @@ bool are_folders(const std::string& a, const std::string& b) {
     throw InputError(fmt::format("{}: is a folder, but {} is a file; compare two folders or two files", folder, file));
 }
 
-std::vector<FilePair> pairs_below(const fs::path& a, const fs::path& b) {
+std::vector<FilePair> list_file_pairs(const fs::path& a, const fs::path& b) {
     const auto files_a = files_below(a), files_b = files_below(b);
     std::vector<FilePair> all;
     for (const fs::path& file : files_a) all.push_back({file, true, files_b.contains(file)});
@@ -132,7 +132,7 @@ FileResult compare_pair(const FilePair& pair, const fs::path& a, const fs::path&
 std::vector<FileResult> compare_all(const std::string& a, const std::string& b, const CompareOptions& options) {
     if (are_folders(a, b)) {
         std::vector<FileResult> results;
-        for (const FilePair& pair : pairs_below(a, b)) {
+        for (const FilePair& pair : list_file_pairs(a, b)) {
             options.stop.check();
             results.push_back(compare_pair(pair, a, b, options));
         }
@@ -163,7 +163,7 @@ void print(const FileResult& result, bool verbose) {
     const std::string file = terminal_line(result.file);
     if (!result.only_folder.empty()) return fmt::print("{}: only in {}\n", file, terminal_line(result.only_folder));
     const Comparison& comparison = result.comparison;
-    if (comparison.same()) {
+    if (comparison.is_same()) {
         if (verbose) fmt::print("{}: same\n", file);
     } else {
         fmt::print("{}: {}", file, count_with_noun(comparison.count, "difference"));

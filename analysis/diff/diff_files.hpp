@@ -25,7 +25,7 @@ struct FileResult {
     std::string file;
     output::diff::Comparison comparison;
     std::string only_folder;
-    [[nodiscard]] bool same() const { return only_folder.empty() && comparison.same(); }
+    [[nodiscard]] bool is_same() const { return only_folder.empty() && comparison.is_same(); }
 };
 
 /// Compares two files of one kind. Pictures with the same bytes are not decoded, so the image module need not be
@@ -39,7 +39,7 @@ struct FilePair {
     bool is_in_a = false, is_in_b = false;
 };
 /// All files below either folder, in order. Throws NothingSelected if there are none.
-[[nodiscard]] std::vector<FilePair> pairs_below(const std::filesystem::path& a, const std::filesystem::path& b);
+[[nodiscard]] std::vector<FilePair> list_file_pairs(const std::filesystem::path& a, const std::filesystem::path& b);
 /// Compares one pair of files.
 [[nodiscard]] FileResult compare_pair(const FilePair& pair, const std::filesystem::path& a,
                                       const std::filesystem::path& b, const output::diff::CompareOptions& options);
@@ -74,7 +74,7 @@ struct MapDifference {
     output::diff::RowChanges rows;
     std::vector<FileResult> other_files;     ///< files that are not tables with a row per form
     std::uint64_t tables = 0, pictures = 0;  ///< tables that were compared, pictures that were left out
-    [[nodiscard]] bool same() const;
+    [[nodiscard]] bool is_same() const;
 };
 
 /// Compares every file below the folders, pictures only if `compares_pictures`. Throws NothingSelected if there is

@@ -102,13 +102,13 @@ std::vector<std::pair<std::string, std::string>> pixel_file_names(const MapSides
 
 }  // namespace
 
-bool MapDifference::same() const { return rows.same() && std::ranges::all_of(other_files, &FileResult::same); }
+bool MapDifference::is_same() const { return rows.is_same() && std::ranges::all_of(other_files, &FileResult::is_same); }
 
 MapDifference compare_maps(const MapSides& sides, const CompareOptions& options, bool compares_pictures) {
     if (sides.compares_two_forms()) return compare_forms(sides, options);
 
     MapDifference difference;
-    for (const FilePair& pair : pairs_below(sides.a, sides.b)) {
+    for (const FilePair& pair : list_file_pairs(sides.a, sides.b)) {
         options.stop.check();
         const fs::path& file = pair.file;
         const FileKind kind = kind_of(file);
@@ -171,8 +171,8 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
 
     for (const FileResult& r : difference.other_files) {
         if (verbose || !r.only_folder.empty()) {
-            if (verbose || !r.same()) diff::print(r, verbose);
-        } else if (!r.same()) {
+            if (verbose || !r.is_same()) diff::print(r, verbose);
+        } else if (!r.is_same()) {
             fmt::print("{}: {}; -v shows {}\n", output::file::terminal_line(r.file),
                        count_with_noun(r.comparison.count, "difference"), r.comparison.count == 1 ? "it" : "them");
         }

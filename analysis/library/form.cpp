@@ -87,7 +87,7 @@ int lostbits_form_make(const lb_form* forms, size_t count, lostbits_form** form,
         if (count == 2) created->foreign_form->add(make_foreign_form(forms[1]));
         update_forms(*created);
         *form = created.release();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -117,7 +117,7 @@ int lostbits_form_write(lostbits_form* form, int bits, const lostbits_operation*
 
         form->formulas[bits == 32 ? 0 : 1] = std::make_shared<const WrittenFormula>(std::move(formula));
         update_forms(*form);
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -148,7 +148,7 @@ int lostbits_form_function(const char* named, lostbits_form** form, const lostbi
             .end_row();
         hand_over(std::move(signature_result), result);
         *form = created.release();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 

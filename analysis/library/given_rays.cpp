@@ -36,7 +36,7 @@ void require_arrays(const lostbits_rays& rays) {
         require_addressable(*array, rays.count, 3, rays_name);
     for (const auto* const array : {&rays.tmin, &rays.tmax, &rays.t, &rays.hit, &rays.by})
         require_addressable(*array, rays.count, 1, rays_name);
-    require_addressable(rays.matrix, rays.count, scene::dump::matrix_columns.size(), rays_name);
+    require_addressable(rays.matrix, rays.count, scene::ray_file::matrix_columns.size(), rays_name);
     require_addressable(rays.primitives, rays.primitive_count, max_shape_numbers, "primitives");
 }
 
@@ -50,8 +50,9 @@ std::vector<ArrayColumn> list_columns(const lostbits_rays& rays) {
     append_columns(columns, rays.t, std::array<std::string, 1>{"t"});
     append_columns(columns, rays.hit, std::array<std::string, 1>{"hit"});
     append_columns(columns, rays.by, std::array<std::string, 1>{"`by`"});  // quoted: cylinders have a column named by
-    append_columns(columns, rays.matrix,
-                   std::vector<std::string>(scene::dump::matrix_columns.begin(), scene::dump::matrix_columns.end()));
+    append_columns(
+        columns, rays.matrix,
+        std::vector<std::string>(scene::ray_file::matrix_columns.begin(), scene::ray_file::matrix_columns.end()));
     return columns;
 }
 
@@ -81,7 +82,7 @@ Shape read_first_shape(const lostbits_rays& rays) {
 GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
     require_arrays(rays);
     std::vector<ArrayColumn> columns = list_columns(rays);
-    scene::dump::DumpOptions options{.stop = settings.stop()};
+    scene::ray_file::ReadOptions options{.stop = settings.stop()};
     if (rays.open_ends != nullptr) options.open_ends = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
 
@@ -91,10 +92,10 @@ GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
     const bool are_pairs = rays.paired != 0 && rays.scene == nullptr;
     if (are_pairs) append_columns(columns, rays.primitives, column_names(result.shape));
     else options.primitive = result.shape;
-    result.dump = std::make_unique<ArrayDump>(rays_name, std::move(columns), rays.count, options);
+    result.ray_file = std::make_unique<RayArrays>(rays_name, std::move(columns), rays.count, options);
 
     // Other rays share their primitives.
-    const Format& format = result.dump->format();
+    const Format& format = result.ray_file->format();
     if (rays.scene != nullptr) {
         result.stored = rays.scene->stored->get(rays.scene->scene, format.parameters);
         result.primitives = result.stored->primitives_beside_mesh;
@@ -102,7 +103,7 @@ GivenRays read_rays(const lostbits_rays& rays, const CallSettings& settings) {
     } else if (!are_pairs) {
         result.primitives = read_shared_primitives(rays, result.shape, format);
     }
-    selection::put_under_matrices(*result.dump, result.representatives());
+    selection::transform_by_records(*result.ray_file, result.representatives());
     return result;
 }
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
+#include "analysis/library/ray_arrays.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/rays/stored_mesh.hpp"
 
@@ -13,9 +13,9 @@ namespace lostbits::analysis::library {
 
 inline constexpr const char* rays_name = "rays";  ///< of the arrays, in messages
 
-/// The rays of the caller: the arrays as a dump, and the primitives that all rays share.
+/// The rays of the caller: the arrays as a ray file, and the primitives that all rays share.
 struct GivenRays {
-    std::unique_ptr<ArrayDump> dump;
+    std::unique_ptr<RayArrays> ray_file;
     /// Primitives that all rays share. Without a mesh, an empty list means that each ray has its own primitive.
     std::vector<Primitive<double>> primitives = {};
     /// The triangles of the mesh come after `primitives`; null: no mesh.

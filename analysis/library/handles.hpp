@@ -103,7 +103,7 @@ private:
 class SceneCache {
 public:
     std::shared_ptr<const SceneInFormat> get(const scene::file::Scene& scene, const FloatFormat& format);
-    void forget() { scenes_.clear(); }
+    void clear() { scenes_.clear(); }
 
 private:
     std::mutex mutex_;
@@ -144,9 +144,9 @@ struct lostbits_form {
 
 namespace lostbits::analysis::library {
 
-inline int put_error(lostbits_error* error, Exit code, const std::string& text) {
+inline int put_error(lostbits_error* error, ExitStatus status, const std::string& text) {
     if (error != nullptr) {
-        error->code = static_cast<int>(code);
+        error->code = static_cast<int>(status);
         std::size_t length = std::min(text.size(), sizeof error->text - 1);
         // Do not cut within a UTF-8 character: its bytes after the first are 10xxxxxx.
         while (length < text.size() && length > 0 && (static_cast<unsigned char>(text[length]) & 0xc0) == 0x80)
@@ -154,7 +154,7 @@ inline int put_error(lostbits_error* error, Exit code, const std::string& text) 
         std::memcpy(error->text, text.data(), length);
         error->text[length] = '\0';
     }
-    return static_cast<int>(code);
+    return static_cast<int>(status);
 }
 
 /// Replaces the options in a message of the program by the names of arguments: `--metric culprit` by `metrics culprit`.
@@ -163,8 +163,8 @@ std::string replace_options_by_arguments(std::string text);
 inline constexpr std::string_view no_memory_text =
     "there is not enough memory; ask for fewer rays, forms, metrics or triangles";
 
-/// Runs `act()`, which returns an Exit, in the floating-point environment of IEEE 754. Turns an exception into a code
-/// and a text.
+/// Runs `act()`, which returns an ExitStatus, in the floating-point environment of IEEE 754. Turns an exception into a
+/// code and a text.
 template <class Act>
 int run_guarded(lostbits_error* error, const Act& act) {
     const intersect::process::FloatingPointGuard guard;
@@ -172,22 +172,23 @@ int run_guarded(lostbits_error* error, const Act& act) {
     try {
         return put_error(error, act(), "");
     } catch (const Interrupted&) {
-        return put_error(error, Exit::interrupted, "interrupted: the call was asked to stop");
+        return put_error(error, ExitStatus::interrupted, "interrupted: the call was asked to stop");
     } catch (const Error& e) {
-        return put_error(error, e.code(), replace_options_by_arguments(e.what()));
+        return put_error(error, e.status(), replace_options_by_arguments(e.what()));
     } catch (const std::bad_alloc&) {
-        return put_error(error, Exit::environment, std::string(no_memory_text));
+        return put_error(error, ExitStatus::environment, std::string(no_memory_text));
     } catch (const std::length_error&) {  // more items than any memory holds
-        return put_error(error, Exit::environment, std::string(no_memory_text));
+        return put_error(error, ExitStatus::environment, std::string(no_memory_text));
     } catch (const std::filesystem::filesystem_error& e) {
-        return put_error(error, Exit::bad_input, scene::toml::error_phrase(e));
+        return put_error(error, ExitStatus::bad_input, scene::toml::error_phrase(e));
     } catch (const std::exception& e) {
-        return put_error(error, Exit::internal, std::string("a fault of lostbits: ") + e.what());
+        return put_error(error, ExitStatus::internal, std::string("a fault of lostbits: ") + e.what());
     }
 }
 
 /// Passes the result to the caller, who owns it from then on.
-inline Exit hand_over(std::unique_ptr<lostbits_result> content, lostbits_result** result, Exit exit = Exit::done) {
+inline ExitStatus hand_over(std::unique_ptr<lostbits_result> content, lostbits_result** result,
+                            ExitStatus exit = ExitStatus::done) {
     for (ResultTable& table : content->tables) table.seal();
     *result = content.release();
     return exit;

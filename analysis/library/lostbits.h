@@ -4,7 +4,7 @@
  * Terms: a form is one way to compute the intersection of a ray with a primitive; its answer is a decision (hit or
  * miss) and t. The truth of a ray is the exact answer for the stored numbers, with a proof of each decision.
  *
- * Errors: a function returns LOSTBITS_OK or another of the codes below, which are the exit codes of the program. If a
+ * Errors: a function returns LOSTBITS_OK or another of the codes below, which are the exit status of the program. If a
  * call fails, `error->text` says what is wrong, why, and what to try. `error` may be NULL.
  *
  * Handles: the caller owns them and passes each to its `_free` function. Several threads may use one handle at once as
@@ -103,7 +103,7 @@ LOSTBITS_API int lostbits_scene_transform(lostbits_scene* scene, const double* m
                                           lostbits_error* error);
 /* The rays and the primitives of a scene as binary64 gets them; every format gets the same values if the scene's inputs
  * are shared. Tables: `rays` with the columns x, y, ox ... dz, row after row of pixels, and one table per shape with
- * the stored numbers of its primitives. If primitives of a shape are placed by matrices, its table also has M00 ...
+ * the stored numbers of its primitives. If primitives of a shape have transforms, its table also has M00 ...
  * M23, missing for a primitive without a matrix, and `inverse`, which is 1 if the matrix maps world space to object
  * space. The column `number` is the index of the primitive in the scene, from 0. */
 LOSTBITS_API int lostbits_scene_rays(const lostbits_scene* scene, lostbits_result** result, lostbits_error* error);

@@ -1,14 +1,14 @@
 // Judges answers about the whole surface of a mesh that are given as arrays.
 #include "measure/judge/mesh_answers.hpp"
-#include "analysis/library/array_dump.hpp"
 #include "analysis/library/handles.hpp"
+#include "analysis/library/ray_arrays.hpp"
 #include "analysis/selection/ray_file_options.hpp"
 #include "measure/judge/judge.hpp"
 #include "output/judge/mesh_answer_files.hpp"
 
 namespace lostbits::analysis::library {
 
-using scene::dump::AnswerKind;
+using scene::ray_file::AnswerKind;
 
 namespace {
 
@@ -37,8 +37,8 @@ bool parse_touching(int value) {
     return value == LB_MISS;
 }
 
-std::unique_ptr<ArrayDump> make_dump(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
-                                     const CallSettings& settings) {
+std::unique_ptr<RayArrays> make_ray_file(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
+                                         const CallSettings& settings) {
     const AnswerKind kind = parse_answer_kind(answers.column);
     const bool are_points = kind == AnswerKind::inside;
     if (rays.origin.data == nullptr || answers.values.data == nullptr || (rays.direction.data == nullptr) != are_points)
@@ -63,19 +63,19 @@ std::unique_ptr<ArrayDump> make_dump(const lostbits_rays& rays, const lostbits_m
     append(answers.objects, {"object"});
     append(answers.values, {answers.column});
 
-    scene::dump::DumpOptions options{.stop = settings.stop()};
+    scene::ray_file::ReadOptions options{.stop = settings.stop()};
     options.primitive = scene::triangle::Mesh::shape;
     if (rays.open_ends != nullptr) options.open_ends = parse_open_ends(rays.open_ends);
     if (rays.format != nullptr) options.format = selection::select_formats({rays.format}, "format").front();
-    return std::make_unique<ArrayDump>(answers_name, std::move(columns), rays.count, options);
+    return std::make_unique<RayArrays>(answers_name, std::move(columns), rays.count, options);
 }
 
 std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const lostbits_mesh_answers& answers,
                                                CallSettings& settings) {
     require(rays.scene, "scene");
-    const auto dump = make_dump(rays, answers, settings);
-    const AnswerKind kind = dump->layout().answers();
-    const auto stored = rays.scene->stored->get(rays.scene->scene, dump->format().parameters);
+    const auto ray_file = make_ray_file(rays, answers, settings);
+    const AnswerKind kind = ray_file->layout().answer_kind();
+    const auto stored = rays.scene->stored->get(rays.scene->scene, ray_file->format().parameters);
     if (!stored->mesh || !stored->primitives_beside_mesh.empty())
         throw InputError("answers: the scene must have meshes and no other primitives; give mesh=(vertices, faces)");
     measure::judge::MeshAnswersRequest request{.mesh = stored->mesh,
@@ -88,7 +88,7 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
 
     std::vector<measure::judge::JudgedAnswer> rows;
     const auto advance = settings.advance_callback(0);
-    const auto judgement = measure::judge::judge_mesh_answers(*dump, request, [&](const auto& judged_rows) {
+    const auto judgement = measure::judge::judge_mesh_answers(*ray_file, request, [&](const auto& judged_rows) {
         if (answers.rows != 0) rows.insert(rows.end(), judged_rows.begin(), judged_rows.end());
         advance(judged_rows.size());
     });
@@ -96,7 +96,7 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
     auto result = std::make_unique<lostbits_result>();
     result->add_table<output::judge::MeshSummaryRow>(
         "summary", output::judge::mesh_summary_table(kind),
-        {{measure::judge::name_of_answers("arrays"), std::string(dump->format().name), &judgement}});
+        {{measure::judge::name_of_answers("arrays"), std::string(ray_file->format().name), &judgement}});
     if (answers.rows != 0) result->add_table("rows", output::judge::mesh_answer_table(kind), rows);
     return result;
 }

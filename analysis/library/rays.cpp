@@ -45,7 +45,7 @@ intersect::Info read_contract(const lostbits_rays& rays, Shape shape) {
 
 /// Selects the forms whose shapes are exactly those of the rays' primitives.
 selection::ShapePredicate shape_filter(const GivenRays& given_rays) {
-    const Shapes shapes = selection::shapes_of_rays(given_rays.dump->layout(), given_rays.representatives());
+    const Shapes shapes = selection::shapes_of_rays(given_rays.ray_file->layout(), given_rays.representatives());
     return [shapes](Shapes forms) { return forms == shapes; };
 }
 
@@ -61,7 +61,8 @@ std::vector<const Metric*> make_metrics(const measure::judge::JudgeRequest& requ
     RayGroup group;
     group.primitives = given_rays.representatives();
     if (group.primitives.empty()) group.primitives.emplace_back(given_rays.shape);
-    if (given_rays.dump->layout().has_matrix()) group.primitives.front().placed = selection::placeholder_matrix();
+    if (given_rays.ray_file->layout().has_matrix())
+        group.primitives.front().transform = selection::placeholder_matrix();
     return chosen.metric_set.adapt_to_forms(metrics, measure::evaluate::forms_of(chosen.tested_forms),
                                             [&group] { return measure::attribution::OwnedSetting(group); });
 }
@@ -107,14 +108,14 @@ std::unique_ptr<lostbits_result> make_judgement_result(const lostbits_rays& rays
 
     // The rows: the answers of the arrays, and the forms of the call.
     intersect::Info contract = read_contract(rays, given_rays.shape);
-    if (given_rays.dump->layout().decides_only()) contract.roots = intersect::Roots::none;
+    if (given_rays.ray_file->layout().has_only_decisions()) contract.roots = intersect::Roots::none;
     const measure::judge::FileForm answers("arrays", given_rays.shape, contract);
     if (!chosen.tested_forms.empty()) chosen.keep_forms_for(rays_name, shape_filter(given_rays));
-    else if (!given_rays.dump->layout().has_answers())
+    else if (!given_rays.ray_file->layout().has_first_hits())
         throw NothingSelected("rays: there are neither answers (t or hit) nor forms; give one of them");
-    if (given_rays.dump->layout().has_answers()) {
+    if (given_rays.ray_file->layout().has_first_hits()) {
         request.file_answers_form = &answers.form();
-        request.tested_forms.push_back({request.file_answers_form, given_rays.dump->format()});
+        request.tested_forms.push_back({request.file_answers_form, given_rays.ray_file->format()});
     }
     request.tested_forms.insert(request.tested_forms.end(), chosen.tested_forms.begin(), chosen.tested_forms.end());
 
@@ -129,7 +130,7 @@ std::unique_ptr<lostbits_result> make_judgement_result(const lostbits_rays& rays
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> ray_tables = add_ray_tables(*result, chosen, request.tested_forms, request.metrics);
     const auto judgement =
-        measure::judge::run_judge(*given_rays.dump, request,
+        measure::judge::run_judge(*given_rays.ray_file, request,
                                   [&ray_tables](std::size_t r, const auto&, const measure::evaluate::BandResult& band) {
                                       if (!ray_tables.empty()) ray_tables[r].add_band(band);
                                   });
@@ -164,17 +165,18 @@ void for_each_piece(GivenRays& given_rays, CallSettings& settings, std::size_t c
     intersect::process::in_parallel(
         std::size_t{0}, (count + rays_per_piece - 1) / rays_per_piece, [&](std::size_t piece_index) {
             const std::size_t first = piece_index * rays_per_piece, ray_count = std::min(rays_per_piece, count - first);
-            scene::dump::Chunk chunk = given_rays.dump->decode({.first = first, .count = ray_count, .bytes = {}});
+            scene::ray_file::Chunk chunk =
+                given_rays.ray_file->decode({.first = first, .count = ray_count, .bytes = {}});
             RayGroup group;
-            group.paired = !chunk.primitives.empty();
-            group.primitives = group.paired ? std::move(chunk.primitives) : given_rays.primitives;
-            group.mesh = group.paired ? nullptr : given_rays.mesh;
+            group.is_paired = !chunk.primitives.empty();
+            group.primitives = group.is_paired ? std::move(chunk.primitives) : given_rays.primitives;
+            group.mesh = group.is_paired ? nullptr : given_rays.mesh;
             group.rays = std::move(chunk.rays);
             group.rays.width = static_cast<int>(ray_count);
             group.rays.y1 = 1;
 
             std::optional<measure::culling::Culler> culler;
-            if (shared_culler && !group.paired) culler.emplace(*shared_culler, group.rays);
+            if (shared_culler && !group.is_paired) culler.emplace(*shared_culler, group.rays);
             act(first, std::move(group), culler ? &*culler : nullptr);
             advance(ray_count);
         });
@@ -233,7 +235,7 @@ std::unique_ptr<lostbits_result> make_truth_result(const lostbits_rays& rays, Ca
     const bool is_unit = contract.direction == intersect::Direction::unit;
     for_each_piece(given_rays, settings, rays.count, measure::culling::min_primitives,
                    [&](std::size_t first, RayGroup group, auto* culler) {
-                       const bool is_paired = group.paired;
+                       const bool is_paired = group.is_paired;
                        const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
                        for (std::size_t i = 0; i < band.pixels(); ++i) {
                            const measure::truth::Truth ray_truth = band.truth(i, contract.convention());

@@ -39,7 +39,7 @@ std::string find_data_folder(const lostbits_where& where) {
 
 /// Removes the primitives that the scene was read with, once. Call it before primitives are added.
 void remove_primitives(lostbits_scene& scene) {
-    scene.stored->forget();
+    scene.stored->clear();
     if (scene.has_array_primitives) return;
     scene.has_array_primitives = true;
     scene.explain_arguments.clear();
@@ -74,7 +74,7 @@ Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& 
         if (const auto broken = broken_limit(candidate))
             throw InputError(subject + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
     }
-    return transformed(primitive, [](double x) { return Real(x); });
+    return convert_numbers(primitive, [](double x) { return Real(x); });
 }
 
 /// A mesh from three numbers per vertex and three indices per face. Throws InputError for a number that the format
@@ -124,11 +124,11 @@ void add_rays(const Scene& scene, lostbits_result& result) {
 }
 
 /// Adds the numbers of the matrix and its direction to the columns.
-void add_matrix(const std::optional<Placement<double>>& placed, std::span<ResultColumn> columns) {
+void add_matrix(const std::optional<Transform<double>>& transform, std::span<ResultColumn> columns) {
     constexpr std::size_t numbers = Affine<double>::numbers;
     for (std::size_t k = 0; k < numbers; ++k)
-        columns[k].numbers.push_back(placed ? placed->matrix[k] : measure::truth::missing);
-    columns[numbers].numbers.push_back(!placed ? measure::truth::missing : placed->is_inverse ? 1 : 0);
+        columns[k].numbers.push_back(transform ? transform->matrix[k] : measure::truth::missing);
+    columns[numbers].numbers.push_back(!transform ? measure::truth::missing : transform->is_inverse ? 1 : 0);
 }
 
 void add_primitives(const Scene& scene, lostbits_result& result) {
@@ -137,7 +137,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
         // Only shapes that matrices place have the columns of a matrix.
         std::vector<output::file::Column> columns;
         const bool has_matrices = std::ranges::any_of(primitives, [shape](const Primitive<double>& primitive) {
-            return primitive.shape == shape && primitive.placed;
+            return primitive.shape == shape && primitive.transform;
         });
         for (const std::string& name : number_names(shape))
             columns.push_back({name, "number", "", "number of the primitive, as stored"});
@@ -155,7 +155,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
             if (primitive.shape != shape) continue;
             table.columns.back().numbers.push_back(static_cast<double>(i));
             for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(primitive.numbers[k]);
-            if (has_matrices) add_matrix(primitive.placed, std::span(table.columns).subspan(numbers));
+            if (has_matrices) add_matrix(primitive.transform, std::span(table.columns).subspan(numbers));
         }
     }
 }
@@ -186,7 +186,7 @@ int lostbits_scene_open(const char* name, const lostbits_where* where, lostbits_
         if (given.width != 0)
             created->explain_arguments += " --size " + std::to_string(given.width) + "x" + std::to_string(given.height);
         *scene = created.release();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -202,7 +202,7 @@ int lostbits_scene_text(const char* text, const lostbits_where* where, lostbits_
         created->scene.id = "text";
         created->scene.path.clear();
         *scene = created.release();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -222,7 +222,7 @@ int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const do
         remove_primitives(*scene);
         auto& listed = scene->scene.listed;
         listed.insert(listed.end(), primitives.begin(), primitives.end());
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -246,7 +246,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
 
         remove_primitives(*scene);
         scene->scene.mesh = std::make_shared<const scene::triangle::Mesh>(std::move(mesh));
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 
@@ -255,7 +255,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         require(scene, "scene");
         require(matrix, "matrix");
         Scene& target = scene->scene;
-        scene->stored->forget();
+        scene->stored->clear();
         if (target.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
 
         // The matrix has the numbers that a file of the scene would store.
@@ -268,14 +268,14 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
                                  (is_shared ? " of float32" : ""));
             numbers[k] = x;
         }
-        const Placement<double> placement = placement_of(numbers, inverse != 0);
-        if (!placement.is_proper()) throw InputError("transform: the matrix " + std::string(singular_reason));
+        const Transform<double> transform = transform_of(numbers, inverse != 0);
+        if (!transform.is_proper()) throw InputError("transform: the matrix " + std::string(singular_reason));
 
         for (Primitive<Real>& primitive : target.listed)
-            primitive.placed = transformed(placement, [](double x) { return Real(x); });
-        if (target.mesh) target.mesh_placed = placement;
+            primitive.transform = convert_numbers(transform, [](double x) { return Real(x); });
+        if (target.mesh) target.mesh_transform = transform;
         scene->explain_arguments.clear();
-        return Exit::done;
+        return ExitStatus::done;
     });
 }
 

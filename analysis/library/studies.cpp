@@ -143,9 +143,9 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                CallSettings& settings) {
     if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
-    if (scene.is_placed())
+    if (scene.has_transform())
         throw InputError("the primitives of scene " + scene.id +
-                         " are placed by matrices; only the command `lostbits mend` takes those");
+                         " have transforms; only the command `lostbits mend` takes those");
     const TestedForm& tested_form = only_tested_form(chosen, "mend repairs one form in one format");
     if (tested_form.format.is_emulated()) throw InputError("mend works in f32 and f64 only; name one of them");
     selection::require_no_generators({tested_form.form}, "mend");
@@ -156,7 +156,7 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     request.limit.stop = settings.stop();
     request.progress = settings.advance_callback(0);
     const auto repair = measure::repair::repair_form(request);
-    const output::repair::RepairSummary repair_summary = output::repair::summarize_repair(request, repair);
+    const output::repair::RepairSummary repair_summary = output::repair::summarise_repair(request, repair);
 
     result.add_table("mend", output::repair::form_table(), output::repair::form_rows(repair_summary));
     result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(repair_summary));
@@ -203,8 +203,8 @@ struct RequirementArguments {
 /// Calls `find`, which fills a new result and returns true if the answer is yes. `default_at` is the requirement's `at`
 /// if none is given.
 template <class Find>
-Exit run_with_requirement(const RequirementArguments& arguments, const char* default_at, lostbits_result** result,
-                          const Find& find) {
+ExitStatus run_with_requirement(const RequirementArguments& arguments, const char* default_at, lostbits_result** result,
+                                const Find& find) {
     require(arguments.scene, "scene");
     require(arguments.requirement, "requirement");
     require(result, "result");
@@ -213,7 +213,7 @@ Exit run_with_requirement(const RequirementArguments& arguments, const char* def
     auto answer = std::make_unique<lostbits_result>();
     const bool meets_requirement =
         find(*answer, arguments.scene->scene, parse_requirement(*arguments.requirement, default_at), chosen, settings);
-    return hand_over(std::move(answer), result, meets_requirement ? Exit::done : Exit::answer_is_no);
+    return hand_over(std::move(answer), result, meets_requirement ? ExitStatus::done : ExitStatus::answer_is_no);
 }
 
 }  // namespace

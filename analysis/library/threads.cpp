@@ -13,6 +13,6 @@ extern "C" int lostbits_end_threads(lostbits_error* error) {
             throw EnvironmentError(
                 "the threads are in use by a call, by a thread that called the library, or by other code; end those "
                 "first");
-        return Exit::done;
+        return ExitStatus::done;
     });
 }

@@ -15,9 +15,9 @@
 #include "measure/sweep/sweep.hpp"
 #include "output/image/figure.hpp"
 #include "output/map/finding.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_colour.hpp"
 #include "output/map/map_files.hpp"
-#include "output/map/row_names.hpp"
 #include "output/report/page.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/sweep/case_files.hpp"
@@ -32,9 +32,9 @@ using output::report::SweepSection;
 
 namespace {
 
-std::vector<std::string> row_keys(const std::vector<TestedForm>& tested_forms) {
+std::vector<std::string> names_of_tested_forms(const std::vector<TestedForm>& tested_forms) {
     std::vector<std::string> keys;
-    for (const TestedForm& tested_form : tested_forms) keys.push_back(output::map::row_name(tested_form));
+    for (const TestedForm& tested_form : tested_forms) keys.push_back(output::map::tested_form_name(tested_form));
     return keys;
 }
 
@@ -53,7 +53,7 @@ SweepSection begin_section(SweepSection::Kind kind, const File& file, const Plan
             .title = file.title,
             .note = file.note,
             .source = file.source,
-            .row_names = row_keys(planned.tested_forms)};
+            .tested_form_names = names_of_tested_forms(planned.tested_forms)};
 }
 
 SweepSection measure_case_section(const PlannedSweep& planned, StopToken stop) {
@@ -123,7 +123,7 @@ void add_plane(SweepSection& section, const measure::sweep::SweepRequest& reques
             fmt::format("{}: {} in {}", request.sweep.title, request.tested_forms[r].form->info->name,
                         request.tested_forms[r].format.name);
         section.charts.push_back(
-            {alt, svg_text(output::sweep::plane_picture(request, steps, r)), section.row_names[r], false});
+            {alt, svg_text(output::sweep::plane_picture(request, steps, r)), section.tested_form_names[r], false});
     }
 }
 
@@ -199,9 +199,9 @@ output::report::MapSection measure_map_section(PlannedMap& planned, measure::met
             .title = scene.title,
             .note = scene.note,
             .source = scene.source,
-            .row_names = row_keys(planned.tested_forms),
+            .tested_form_names = names_of_tested_forms(planned.tested_forms),
             .index = std::move(index),
-            .blobs = data.blobs(summaries),
+            .named_data = data.named_data(summaries),
             .table = output::report::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
             .has_scene_size = planned.has_own_size,

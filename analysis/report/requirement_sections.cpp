@@ -120,7 +120,7 @@ output::report::MendSection measure_mend_section(const PlannedMend& planned, Sto
         .scene = &planned.scene, .tested_form = planned.tested_form, .requirement = planned.requirement};
     request.limit.stop = stop;
     const auto repair = measure::repair::repair_form(request);
-    return make_mend_section(output::repair::summarize_repair(request, repair));
+    return make_mend_section(output::repair::summarise_repair(request, repair));
 }
 
 output::report::MendSection make_mend_section(const output::repair::RepairSummary& result) {

@@ -20,7 +20,7 @@
 #include "intersect/external/plugin.hpp"
 #include "intersect/function/function.hpp"
 #include "intersect/process/child.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "intersect/table/table.hpp"
 #include "measure/tape/driver_difference.hpp"
 #include "number/error.hpp"
@@ -125,7 +125,7 @@ void require_new_formula(const std::string& name, const std::string& library,
 void add_library(const std::string& plugin, const ExternalOptions& options, const PipeOptions& pipe_options,
                  std::map<std::string, std::string>& library_by_formula, ExternalForms& external_forms) {
     const auto library = intersect::external::find_plugin(plugin);
-    scene::toml::note_read(library);
+    scene::toml::reserve_for_reading(library);
     const bool is_in_own_process = is_isolated(library, options);
     auto forms =
         is_in_own_process ? load_isolated_forms(library, pipe_options) : intersect::external::load_plugin(library);
@@ -155,7 +155,7 @@ std::string this_program(const std::string& arguments) {
 
 std::vector<std::string> select_devices(const std::vector<std::string>& names) {
     std::vector<std::string> kinds;
-    const auto add = [&kinds](std::string_view kind) { add_once(kinds, std::string(kind)); };
+    const auto add = [&kinds](std::string_view kind) { append_if_missing(kinds, std::string(kind)); };
     for (const std::string& name : names) {
         if (name == "all") std::ranges::for_each(intersect::device::device_kinds, add);
         else if (std::ranges::find(intersect::device::device_kinds, name) != std::end(intersect::device::device_kinds))
@@ -225,7 +225,7 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
     }
     for (const std::string& shader : options.shaders) {
         for (std::size_t end = shader.size(); end != std::string::npos && end > 0; end = shader.rfind(':', end - 1))
-            scene::toml::note_read(shader.substr(0, end));  // FILE:FUNCTION
+            scene::toml::reserve_for_reading(shader.substr(0, end));  // FILE:FUNCTION
         std::ranges::move(load_forms_on_devices(shader, options, pipe_options),
                           std::back_inserter(external_forms.forms));
         plugin_options += " --shader " + shell_word(shader);
@@ -318,7 +318,7 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
                                                                        const ExternalOptions& options) {
     auto function =
         intersect::function::load_function(function_name, {.seconds = options.seconds, .stop = options.stop});
-    scene::toml::note_read(function->path);
+    scene::toml::reserve_for_reading(function->path);
     if (!options.quiet) fmt::print(stderr, "lostbits: {}\n", function->signature_text);
     return function;
 }
@@ -336,7 +336,7 @@ void note_processor_states() {
                    library, state);
 }
 
-std::vector<std::string> form_patterns_or(const std::vector<std::string>& given, std::vector<std::string> defaults) {
+std::vector<std::string> form_patterns(const std::vector<std::string>& given, std::vector<std::string> defaults) {
     if (!given.empty()) return given;
     std::ranges::move(external_names(), std::back_inserter(defaults));
     return defaults;
@@ -369,7 +369,7 @@ void note_unmeasured(const std::vector<std::string>& patterns,
                    shapes_and_formats);
 }
 
-void note_unselected(const shell::Command& command) {
+void note_unused_external_forms(const shell::Command& command) {
     const shell::Option forms = command.option("--form");
     const shell::Option beside = command.option("--beside");  // a command without it uses isolated forms too
     const std::vector<std::string> names = external_names(static_cast<bool>(beside));
@@ -389,7 +389,7 @@ void note_unselected(const shell::Command& command) {
 DeviceReport ask_device(std::string_view kind, const ExternalOptions& options) {
     DeviceReport report{.kind = std::string(kind), .facts = {}, .problem = {}};
     try {
-        intersect::process::Child child(
+        intersect::process::ChildProcess child(
             this_program("shader probe " + report.kind),
             {.who = report.kind, .timeout_advice = "", .seconds = options.seconds, .stop = options.stop});
         for (std::string line = child.read_line(); !line.empty(); line = child.read_line()) {

@@ -74,10 +74,10 @@ std::unique_ptr<intersect::function::UserFunction> load_shown_function(const std
 void note_processor_states();
 
 /// The patterns of -i; without -i, `defaults` and the names of all external forms.
-std::vector<std::string> form_patterns_or(const std::vector<std::string>& given, std::vector<std::string> defaults);
+std::vector<std::string> form_patterns(const std::vector<std::string>& given, std::vector<std::string> defaults);
 
 /// Prints a note on stderr if -i and --against of the parsed command name none of the external forms.
-void note_unselected(const shell::Command& command);
+void note_unused_external_forms(const shell::Command& command);
 
 /// Prints on stderr, unless `quiet`, which wanted forms are not measured because nothing has their
 /// shape or format. A form is wanted if a pattern of -i is its name, or if it is external and either -i is not given or

@@ -11,15 +11,15 @@
 
 #include "analysis/selection/select.hpp"
 #include "number/error.hpp"
-#include "scene/dump/number_parser.hpp"
+#include "scene/ray_file/number_parser.hpp"
 #include "scene/rays/rays.hpp"
 #include "shapes/number_names.hpp"
 
 namespace lostbits::analysis::selection {
 
-using scene::dump::Container;
-using scene::dump::DumpOptions;
-using scene::dump::MissRule;
+using scene::ray_file::Container;
+using scene::ray_file::MissRule;
+using scene::ray_file::ReadOptions;
 
 namespace {
 
@@ -27,8 +27,8 @@ std::optional<MissRule> parse_miss_rule(const std::string& text) {
     if (text.empty()) return {};
     if (text == "never") return MissRule{MissRule::Kind::never};
     if (text == "negative") return MissRule{MissRule::Kind::negative};
-    const auto parsed = scene::dump::NumberParser(*find_format("f64")).read(text);
-    if (parsed.kind != scene::dump::NumberParser::Kind::number || !std::isfinite(parsed.value))
+    const auto parsed = scene::ray_file::NumberParser(*find_format("f64")).read(text);
+    if (parsed.kind != scene::ray_file::NumberParser::Kind::number || !std::isfinite(parsed.value))
         throw InputError(
             fmt::format("--miss {}: must be a finite number, `negative` or `never` (NaN, infinities and empty cells "
                         "are misses in any case)",
@@ -126,11 +126,11 @@ std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
     return primitives;
 }
 
-std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, const std::string& file,
-                                             std::optional<Shape> primitive, bool keeps_own_columns) {
+std::unique_ptr<scene::ray_file::RayFile> open_file(const RayFileOptions& options, const std::string& file,
+                                                    std::optional<Shape> primitive, bool keeps_own_columns) {
     static const std::map<std::string, Container> containers{
         {"auto", Container::by_name}, {"csv", Container::csv}, {"npy", Container::npy}, {"raw", Container::raw}};
-    DumpOptions dump_options{.container = containers.at(options.container),
+    ReadOptions read_options{.container = containers.at(options.container),
                              .columns = options.columns,
                              .skip = options.skip,
                              .stop = options.stop};
@@ -145,39 +145,39 @@ std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, cons
         if (formats.size() > 1)
             throw InputError("--answer-format " + options.answer_format +
                              ": all answers have the same format; name one");
-        dump_options.format = formats.front();
+        read_options.format = formats.front();
     }
 
-    dump_options.miss = parse_miss_rule(options.miss);
-    dump_options.primitive = primitive;
-    dump_options.keep = keeps_own_columns;
-    dump_options.open_ends = open_ends_named(options.open_ends);
-    return scene::dump::open_dump(file, dump_options);
+    read_options.miss = parse_miss_rule(options.miss);
+    read_options.primitive = primitive;
+    read_options.keeps_own_columns = keeps_own_columns;
+    read_options.open_ends = open_ends_named(options.open_ends);
+    return scene::ray_file::open_ray_file(file, read_options);
 }
 
-Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& shared) {
-    const Shapes shapes = layout.primitive() ? Shapes(*layout.primitive()) : shapes_of(shared);
-    return layout.has_matrix() ? shapes.placed() : shapes;
+Shapes shapes_of_rays(const scene::ray_file::Layout& layout, const std::vector<Primitive<double>>& shared) {
+    const Shapes shapes = layout.primitive_shape() ? Shapes(*layout.primitive_shape()) : shapes_of(shared);
+    return layout.has_matrix() ? shapes.with_transform() : shapes;
 }
 
-void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& shared) {
-    if (!dump.layout().has_matrix() || dump.layout().primitive()) return;
-    if (shared.size() != 1 || shared.front().placed)
+void transform_by_records(scene::ray_file::RayFile& ray_file, const std::vector<Primitive<double>>& shared) {
+    if (!ray_file.layout().has_matrix() || ray_file.layout().primitive_shape()) return;
+    if (shared.size() != 1 || shared.front().transform)
         throw InputError(
-            dump.name() +
+            ray_file.name() +
             ": each ray has the matrix of its primitive, m00 to m23; give one primitive for all rays, without a "
             "matrix of its own, or give the primitive of each ray in columns too");
-    dump.put_under_matrices(shared.front());
+    ray_file.transform_by_records(shared.front());
 }
 
-intersect::Info answer_contract(const RayFileOptions& options, const scene::dump::Dump& dump) {
+intersect::Info answer_contract(const RayFileOptions& options, const scene::ray_file::RayFile& ray_file) {
     for (const RayFileOption& option : ray_file_options())
         if (option.is_about_answers && option.is_given(options) &&
-            dump.layout().answers() == scene::dump::AnswerKind::none)
+            ray_file.layout().answer_kind() == scene::ray_file::AnswerKind::none)
             throw InputError(
                 fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
-                            option.name, options.*option.value, dump.name(), option.name));
+                            option.name, options.*option.value, ray_file.name(), option.name));
 
     intersect::Info info{};
     info.direction = options.direction == "unit" ? intersect::Direction::unit : intersect::Direction::any;
@@ -191,9 +191,9 @@ intersect::Info answer_contract(const RayFileOptions& options, const scene::dump
     return info;
 }
 
-std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::dump::Layout& layout) {
+std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::ray_file::Layout& layout) {
     if (options.by.empty()) return {};
-    const auto own_columns = layout.kept();
+    const auto own_columns = layout.kept_columns();
     const auto found = std::ranges::find(own_columns, options.by);
     if (found != own_columns.end()) return static_cast<std::size_t>(found - own_columns.begin());
     throw InputError(fmt::format("--by {}: {} has no column of its own with that name; {}", options.by, options.file,
@@ -211,7 +211,7 @@ void add_requirement(const JudgeOptions& options, measure::metric::MetricSet& me
             {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(options.tolerance, options.unit))});
     else if (!options.unit.empty())
         throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing; write both");
-    for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) add_once(metrics, m);
+    for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) append_if_missing(metrics, m);
 }
 
 }  // namespace lostbits::analysis::selection

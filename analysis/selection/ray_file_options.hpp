@@ -13,8 +13,8 @@
 #include "intersect/info.hpp"
 #include "intersect/process/stop_token.hpp"
 #include "measure/metric/metric_set.hpp"
-#include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/ray_file/ray_file.hpp"
 
 namespace lostbits::analysis::selection {
 
@@ -71,27 +71,27 @@ std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
                                                  const std::optional<scene::file::Scene>& scene, const Format& format);
 
 /// Opens the file as the options say. `keeps_own_columns`: also keep the user's own columns.
-std::unique_ptr<scene::dump::Dump> open_file(const RayFileOptions& options, const std::string& file,
-                                             std::optional<Shape> primitive, bool keeps_own_columns = false);
+std::unique_ptr<scene::ray_file::RayFile> open_file(const RayFileOptions& options, const std::string& file,
+                                                    std::optional<Shape> primitive, bool keeps_own_columns = false);
 
 /// The shapes of the primitives of the rays, from columns or given for all rays.
-Shapes shapes_of_rays(const scene::dump::Layout& layout, const std::vector<Primitive<double>>& shared);
+Shapes shapes_of_rays(const scene::ray_file::Layout& layout, const std::vector<Primitive<double>>& shared);
 
 /// If the file has matrices but no primitives: places the primitive that is given for all rays by the matrix of each
 /// ray. Throws InputError if there is not exactly one primitive, or if it has a matrix already.
-void put_under_matrices(scene::dump::Dump& dump, const std::vector<Primitive<double>>& shared);
+void transform_by_records(scene::ray_file::RayFile& ray_file, const std::vector<Primitive<double>>& shared);
 
 /// A placeholder matrix: a form has the same operations for all matrices.
-inline Placement<double> placeholder_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
+inline Transform<double> placeholder_matrix() { return {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, false, 1}; }
 
 /// The index, among the file's own columns, of the column to group rays by; nothing if none is asked for.
-std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::dump::Layout& layout);
+std::optional<std::size_t> group_column(const JudgeOptions& options, const scene::ray_file::Layout& layout);
 
 /// Adds the metrics that count the rays that fail `--bits` or `--tolerance`.
 void add_requirement(const JudgeOptions& options, measure::metric::MetricSet& metric_set,
                      std::vector<const measure::metric::Metric*>& metrics);
 
 /// The contract of the answers. Throws InputError for an option about answers if the file has none.
-intersect::Info answer_contract(const RayFileOptions& options, const scene::dump::Dump& dump);
+intersect::Info answer_contract(const RayFileOptions& options, const scene::ray_file::RayFile& ray_file);
 
 }  // namespace lostbits::analysis::selection

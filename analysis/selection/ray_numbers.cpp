@@ -94,7 +94,7 @@ double stored_number(const Real& x) {
 
 namespace {
 
-Placement<double> parse_placement(const std::string& text, const char* option, const std::optional<Format>& format) {
+Transform<double> parse_transform(const std::string& text, const char* option, const std::optional<Format>& format) {
     const bool is_inverse = text.starts_with('/');
     const auto exact_numbers =
         parse_numbers(text.substr(is_inverse ? 1 : 0),
@@ -105,9 +105,9 @@ Placement<double> parse_placement(const std::string& text, const char* option, c
                       format);
     std::array<double, Affine<double>::numbers> numbers;
     std::ranges::transform(exact_numbers, numbers.begin(), stored_number);
-    const Placement<double> placement = placement_of(numbers, is_inverse);
-    if (!placement.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_reason));
-    return placement;
+    const Transform<double> transform = transform_of(numbers, is_inverse);
+    if (!transform.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_reason));
+    return transform;
 }
 
 }  // namespace
@@ -122,7 +122,7 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
     const auto exact_numbers =
         parse_numbers(numbers_text, {option.c_str(), expected.c_str(), primitive.shape_numbers().size()}, format);
     std::ranges::transform(exact_numbers, primitive.numbers.begin(), stored_number);
-    if (at_sign < text.size()) primitive.placed = parse_placement(text.substr(at_sign + 1), option.c_str(), format);
+    if (at_sign < text.size()) primitive.transform = parse_transform(text.substr(at_sign + 1), option.c_str(), format);
     if (const auto broken = broken_limit(primitive))
         throw InputError(
             fmt::format("{} {}: {} {}", option, numbers_text, broken->key->name, limit_phrase(shape, *broken->key)));

@@ -61,7 +61,7 @@ Ray<Real> parse_ray(const RayOptions& options) {
     return ray;
 }
 
-/// The tested form for these primitives; it gets the usual transform if matrices place the primitives. Throws
+/// The tested form for these primitives; it gets the usual transform method if the primitives have transforms. Throws
 /// InputError if the form does not take the primitives.
 template <class ShapePredicate>
 TestedForm tested_form_for_primitives(const TestedForm& tested_form, const std::string& subject,
@@ -70,17 +70,17 @@ TestedForm tested_form_for_primitives(const TestedForm& tested_form, const std::
     if (can_test(tested_form.form->shapes())) return tested_form;
 
     if (is_primitive(shape) && !tested_form.form->is_set() && !scene::rays::generator_of(*tested_form.form) &&
-        can_test(tested_form.form->shapes().placed())) {
-        TestedForm placed = tested_form;
-        placed.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
-                                                              *tested_form.form);
-        return placed;
+        can_test(tested_form.form->shapes().with_transform())) {
+        TestedForm transformed = tested_form;
+        transformed.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
+                                                                   *tested_form.form);
+        return transformed;
     }
 
     // Says why the form does not take the primitives.
-    if (tested_form.form->shapes().are_placed() && can_test(tested_form.form->shapes().placed(false)))
+    if (tested_form.form->shapes().have_transform() && can_test(tested_form.form->shapes().with_transform(false)))
         throw InputError(fmt::format(
-            "-i {}: no primitive of {} is placed by a matrix, so a transform has nothing to do; leave out the @ and "
+            "-i {}: no primitive of {} has a transform, so a transform method has nothing to do; leave out the @ and "
             "the transform",
             tested_form.form->info->name, subject));
     if (is_primitive(shape) && several_shapes(can_test)) {
@@ -288,19 +288,19 @@ SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& g
     for (const auto& [shape, text] : options.primitives.in_given_order())
         primitives.push_back(parse_primitive(shape, text, rounding_format(options.format)));
 
-    // The form gets the usual transform if matrices place the primitives.
-    const bool are_placed =
-        std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.placed.has_value(); });
+    // The form gets the usual transform method if the primitives have transforms.
+    const bool have_transform =
+        std::ranges::any_of(primitives, [](const auto& primitive) { return primitive.transform.has_value(); });
     const auto form_takes = [&given_form](const Primitive<double>& primitive) {
         return given_form.form->shapes().has(primitive.shape);
     };
     const TestedForm tested_form =
-        std::ranges::all_of(primitives, form_takes) && are_placed == given_form.form->shapes().are_placed()
+        std::ranges::all_of(primitives, form_takes) && have_transform == given_form.form->shapes().have_transform()
             ? given_form
-            : tested_form_for_primitives(given_form, "the ray",
-                                         [shapes = shapes_of(primitives).placed(are_placed)](Shapes forms) {
-                                             return (forms == Shape::sdf && !shapes.are_placed()) || forms == shapes;
-                                         });
+            : tested_form_for_primitives(
+                  given_form, "the ray", [shapes = shapes_of(primitives).with_transform(have_transform)](Shapes forms) {
+                      return (forms == Shape::sdf && !shapes.have_transform()) || forms == shapes;
+                  });
 
     if (options.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = parse_ray(options);

@@ -35,8 +35,8 @@ struct RayOptions {
 struct SelectedRay {
     std::shared_ptr<const scene::file::Scene> scene;  ///< null if the ray belongs to no scene; the ray may refer to it
     measure::answer::OneRay ray;
-    /// The form to run: that of the tested form or, for primitives placed by matrices, the same with the usual
-    /// transform.
+    /// The form to run: that of the tested form or, for transformed primitives, the same with the usual transform
+    /// method.
     const intersect::table::Intersector* form = nullptr;
     std::string note = {};                          ///< names the ray, if the options do not
     std::optional<std::pair<int, int>> pixel = {};  ///< pixel of the scene, if the ray is that of one

@@ -8,7 +8,7 @@
 
 #include "analysis/selection/ray_numbers.hpp"
 #include "analysis/selection/select.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "scene/rays/stored_mesh.hpp"
@@ -166,8 +166,8 @@ void require_no_misplaced_options(const RayFileOptions& options, const std::vect
 
 namespace {
 
-std::string answers_column(const scene::dump::Layout& layout) {
-    return layout.columns()[layout.index_of(scene::dump::slot_of(layout.answers()))].name;
+std::string answers_column(const scene::ray_file::Layout& layout) {
+    return layout.columns()[layout.index_of(scene::ray_file::slot_of(layout.answer_kind()))].name;
 }
 
 }  // namespace
@@ -184,28 +184,29 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
             options.scene, target_scene->primitive_count(), max_primitives));
 
     // Opens the files, and joins them into one.
-    OpenedRays result{.id = {}, .quoted_files = {}, .dump = {}, .options = {}, .shapes = Shapes()};
-    std::vector<std::unique_ptr<scene::dump::Dump>> dumps;
+    OpenedRays result{.id = {}, .quoted_files = {}, .ray_file = {}, .options = {}, .shapes = Shapes()};
+    std::vector<std::unique_ptr<scene::ray_file::RayFile>> ray_files;
     for (const std::string& file : files) {
-        dumps.push_back(open_file(options, file, shared_shape(options, target_scene)));
-        if (dumps.back()->layout().answers() > scene::dump::AnswerKind::first_hit)
+        ray_files.push_back(open_file(options, file, shared_shape(options, target_scene)));
+        if (ray_files.back()->layout().answer_kind() > scene::ray_file::AnswerKind::first_hit)
             throw InputError(
                 fmt::format("{}: has answers about the whole surface of a mesh (column {}), which only judge "
                             "takes; name a file of rays",
-                            file, answers_column(dumps.back()->layout())));
+                            file, answers_column(ray_files.back()->layout())));
         result.id += (result.id.empty() ? "" : "+") + scene::toml::result_name(file);
         result.quoted_files += (result.quoted_files.empty() ? "" : " ") + text::shell_word(file);
     }
-    result.dump = scene::dump::join_dumps(std::move(dumps));
+    result.ray_file = scene::ray_file::join_ray_files(std::move(ray_files));
 
     // Changes by the command line.
     result.options = {.result_name = result.id,
-                      .primitives = shared_primitives(options, target_scene, result.dump->format()),
-                      .contract = answer_contract(options, *result.dump)};
-    if (target_scene) result.options.mesh = scene::rays::stored_mesh(*target_scene, result.dump->format().parameters);
+                      .primitives = shared_primitives(options, target_scene, result.ray_file->format()),
+                      .contract = answer_contract(options, *result.ray_file)};
+    if (target_scene)
+        result.options.mesh = scene::rays::stored_mesh(*target_scene, result.ray_file->format().parameters);
     const std::vector<Primitive<double>> representatives = result.options.representatives();
-    put_under_matrices(*result.dump, representatives);
-    result.shapes = shapes_of_rays(result.dump->layout(), representatives);
+    transform_by_records(*result.ray_file, representatives);
+    result.shapes = shapes_of_rays(result.ray_file->layout(), representatives);
     return result;
 }
 

@@ -71,7 +71,7 @@ void require_no_misplaced_options(const RayFileOptions& options, const std::vect
 /// Several files of rays as one, ready to be read.
 struct OpenedRays {
     std::string id, quoted_files;  ///< name of the results, and the names of the files, quoted for a shell
-    std::unique_ptr<scene::dump::Dump> dump;
+    std::unique_ptr<scene::ray_file::RayFile> ray_file;
     measure::choose::FileOptions options;  ///< what the command line says of the files
     Shapes shapes;                         ///< of the primitives of the rays
 };

@@ -104,7 +104,7 @@ std::vector<const Intersector*> select_forms(const std::vector<std::string>& pat
             continue;
         }
         for (const Intersector* const set : is_set ? select_sets(pattern, option) : select_composed(pattern, option))
-            add_once(composed_forms, set);
+            append_if_missing(composed_forms, set);
     }
     forms = select_items(intersect::table::intersectors(), form_patterns, "form", option);
     forms.insert(forms.end(), composed_forms.begin(), composed_forms.end());
@@ -120,7 +120,7 @@ void add_steps(const std::string& pattern, measure::metric::MetricSet& metric_se
         const std::string name = "step:" + std::string(step);
         if (!matches_any({pattern}, name)) continue;
         is_matched = true;
-        add_once(chosen, metric_set.find(name));
+        append_if_missing(chosen, metric_set.find(name));
     }
     if (!is_matched)
         throw NothingSelected(fmt::format("--metric {}: no step matches this pattern; the steps are {}", pattern,
@@ -151,11 +151,11 @@ std::vector<const Metric*> select_metrics(const std::vector<std::string>& patter
         if (pattern.starts_with("step:") && is_pattern(pattern)) {
             add_steps(pattern, metric_set, chosen);
         } else if (const Metric* const metric = metric_set.find(pattern)) {
-            add_once(chosen, metric);
+            append_if_missing(chosen, metric);
         } else {
             require_complete_metric(pattern);
             for (const Metric* m : select_items(measure::metric::metrics(), {pattern}, "metric", "--metric"))
-                add_once(chosen, m);
+                append_if_missing(chosen, m);
         }
     }
     return chosen;
@@ -195,14 +195,14 @@ std::vector<const Metric*> applicable_metrics(std::vector<const Metric*> metrics
 
     using namespace measure::metric;
     drop_unless(
-        [](const TestedForm& tested_form) { return tested_form.form->filter_arithmetic != nullptr; },
-        [](const Metric* m) { return (m->needs & needs_filter_arithmetic) != 0; },
+        [](const TestedForm& tested_form) { return tested_form.form->deciding_arithmetic != nullptr; },
+        [](const Metric* m) { return (m->needs & needs_deciding_arithmetic) != 0; },
         fmt::format(
             "none of the selected forms in {} filters, that is, uses a wider format if it must; add -i '*.filtered'",
             subject));
-    drop_unless([](const TestedForm& tested_form) { return tested_form.form->shapes().are_placed(); },
+    drop_unless([](const TestedForm& tested_form) { return tested_form.form->shapes().have_transform(); },
                 [](const Metric* m) { return (m->needs & needs_steps) != 0; },
-                fmt::format("no primitive of {} is placed by a matrix, so no ray has steps of a transform", subject));
+                fmt::format("no primitive of {} has a transform, so no ray has steps of a transform", subject));
     drop_unless([](const TestedForm& tested_form) { return intersect::bounding_box::has_box(*tested_form.form); },
                 [](const Metric* m) { return m->name == "lost_to" || m->name == "end_margin"; },
                 fmt::format("none of the selected forms in {} is behind a box; select FORM^BOX", subject));
@@ -266,7 +266,7 @@ void compare_against(std::vector<TestedForm>& tested_forms, const std::string& n
 
 void add_comparison_metrics(std::vector<const Metric*>& metrics) {
     for (const Metric& m : measure::metric::metrics())
-        if (compares_forms(&m)) add_once(metrics, &m);
+        if (compares_forms(&m)) append_if_missing(metrics, &m);
 }
 
 void note_forms_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& tested_forms,
@@ -310,7 +310,7 @@ std::vector<Format> select_formats(const std::vector<std::string>& names, const 
     const auto add = [&formats, option](const std::string& name) {
         const auto format = find_format(name);
         if (!format) fail_unknown_format(name, option);
-        add_once(formats, *format);
+        append_if_missing(formats, *format);
     };
     for (const std::string& name : names) {
         const auto dots = name.find("..");

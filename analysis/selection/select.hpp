@@ -30,7 +30,7 @@ namespace lostbits::analysis::selection {
 
 /// Appends an item that is not in the list yet.
 template <class T>
-void add_once(std::vector<T>& list, const std::type_identity_t<T>& item) {
+void append_if_missing(std::vector<T>& list, const std::type_identity_t<T>& item) {
     if (std::ranges::find(list, item) == list.end()) list.push_back(item);
 }
 
@@ -181,11 +181,11 @@ void note_unrepresentable_numbers(const scene::sweep::CaseFile& file,
                                   const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
 /// Prints on stderr which assignments of `--set` change nothing: constants of a march if no form marches.
-void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
-                        const std::vector<measure::evaluate::TestedForm>& tested_forms);
+void note_ineffective_settings(const std::vector<std::string>& set, const std::string& id,
+                               const std::vector<measure::evaluate::TestedForm>& tested_forms);
 
-/// Calls `note_unrepresentable_numbers` and `note_idle_settings` for a scene that `set` has changed; does nothing if
-/// `quiet`.
+/// Calls `note_unrepresentable_numbers` and `note_ineffective_settings` for a scene that `set` has changed; does
+/// nothing if `quiet`.
 void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
                   const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
 

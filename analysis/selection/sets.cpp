@@ -89,24 +89,26 @@ Forms forms_for(const std::vector<TestedForm>& tested_forms, Shapes shape) {
     });
 }
 
-/// The shapes of something whose primitives are placed by matrices; nothing if none is.
-std::optional<Shapes> placed_shapes(const ShapePredicate& can_test) {
+/// The shapes of something whose primitives have transforms; nothing if none is.
+std::optional<Shapes> shapes_with_transforms(const ShapePredicate& can_test) {
     for (const ShapeRow& shape_row : shape_rows)
-        if (const Shapes shape = Shapes(shape_row.shape).placed(); can_test(shape)) return shape;
+        if (const Shapes shape = Shapes(shape_row.shape).with_transform(); can_test(shape)) return shape;
     const auto several = several_shapes(can_test);
-    return several && several->are_placed() ? several : std::nullopt;
+    return several && several->have_transform() ? several : std::nullopt;
 }
 
-/// Adds each form for these shapes that has no transform with the usual transform.
-void add_placed(std::vector<TestedForm>& tested_forms, Shapes shapes) {
+/// Adds each form for these shapes that has no transform method, with the usual transform method.
+void add_transformed_forms(std::vector<TestedForm>& tested_forms, Shapes shapes) {
     const std::vector<TestedForm> original_forms = tested_forms;
     for (TestedForm tested_form : original_forms) {
-        if (tested_form.form->is_set() || tested_form.form->is_placed || !shapes.has(tested_form.form->shape)) continue;
+        if (tested_form.form->is_set() || tested_form.form->has_transform_method ||
+            !shapes.has(tested_form.form->shape))
+            continue;
         if (scene::rays::generator_of(*tested_form.form)) continue;
         tested_form.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
                                                                    *tested_form.form);
-        if (tested_form.against != nullptr && !tested_form.against->is_set() && !tested_form.against->is_placed &&
-            is_primitive(tested_form.against->shape))
+        if (tested_form.against != nullptr && !tested_form.against->is_set() &&
+            !tested_form.against->has_transform_method && is_primitive(tested_form.against->shape))
             tested_form.against = &intersect::transform::transformed_form(
                 intersect::transform::default_transform_method(), *tested_form.against);
         if (std::ranges::find(tested_forms, tested_form) == tested_forms.end()) tested_forms.push_back(tested_form);
@@ -143,7 +145,7 @@ std::string missing_shapes_text(const std::vector<TestedForm>& tested_forms, Sha
     std::vector<Shape> missing;
     std::string example;
     for (const Shape shape : list_shapes(shapes)) {
-        const Forms forms = forms_for(tested_forms, Shapes(shape).placed(shapes.are_placed()));
+        const Forms forms = forms_for(tested_forms, Shapes(shape).with_transform(shapes.have_transform()));
         if (forms.empty()) missing.push_back(shape);
         example +=
             (example.empty() ? "" : "+") + std::string((forms.empty() ? plain_form(shape) : *forms.front()).info->name);
@@ -169,7 +171,7 @@ void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shape
     // Single forms are combined, unless some shape has none.
     std::vector<Forms> forms_by_shape;
     for (const Shape shape : list_shapes(shapes))
-        forms_by_shape.push_back(forms_for(chosen.tested_forms, Shapes(shape).placed(shapes.are_placed())));
+        forms_by_shape.push_back(forms_for(chosen.tested_forms, Shapes(shape).with_transform(shapes.have_transform())));
     if (std::ranges::any_of(forms_by_shape, &Forms::empty)) return;
     const bool chose_all = std::ranges::find(chosen.form_patterns, "*") != chosen.form_patterns.end();
     if (!chose_all)
@@ -180,7 +182,7 @@ void add_sets(const SelectedForms& chosen, const std::string& name, Shapes shape
             return can_test(tested_form.form->shapes());
         }))
         return;
-    const Intersector& plain = plain_set(shapes);
+    const Intersector& plain = default_set(shapes);
     add_set_forms(chosen.tested_forms, {&plain});
     if (!chosen.quiet)
         fmt::print(stderr,
@@ -197,7 +199,7 @@ std::optional<Shapes> several_shapes(const ShapePredicate& can_test) {
         Shapes shapes;
         for (const ShapeRow& shape_row : shape_rows)
             if ((subset >> static_cast<unsigned>(shape_row.shape) & 1) != 0) shapes |= shape_row.shape;
-        for (const Shapes candidate : {shapes, shapes.placed()})
+        for (const Shapes candidate : {shapes, shapes.with_transform()})
             if (candidate.are_several() && can_test(candidate)) return candidate;
     }
     return std::nullopt;
@@ -225,13 +227,13 @@ Forms select_sets(const std::string& pattern, const char* option) {
     return combinations(parts, fmt::format("{} {}", option, pattern));
 }
 
-const Intersector& plain_set(Shapes shapes) {
+const Intersector& default_set(Shapes shapes) {
     Forms parts;
     for (const Shape shape : list_shapes(shapes)) {
         const Intersector& plain = plain_form(shape);
-        parts.push_back(shapes.are_placed() ? &intersect::transform::transformed_form(
-                                                  intersect::transform::default_transform_method(), plain)
-                                            : &plain);
+        parts.push_back(shapes.have_transform() ? &intersect::transform::transformed_form(
+                                                      intersect::transform::default_transform_method(), plain)
+                                                : &plain);
     }
     return intersect::table::find_or_add_set(parts);
 }
@@ -345,7 +347,7 @@ void require_no_generated_rays(const std::vector<scene::file::Scene>& scenes, co
 
 std::vector<TestedForm> tested_forms_handling(const SelectedForms& chosen, const std::string& name,
                                               const ShapePredicate& can_test) {
-    if (const auto placed = placed_shapes(can_test)) add_placed(chosen.tested_forms, *placed);
+    if (const auto transform = shapes_with_transforms(can_test)) add_transformed_forms(chosen.tested_forms, *transform);
     if (const auto several = several_shapes(can_test)) add_sets(chosen, name, *several, can_test);
     return filter_tested_forms(chosen.tested_forms, can_test);
 }
@@ -355,9 +357,9 @@ std::string patterns_for(const ShapePredicate& can_test) {
     const auto add = [&patterns](const std::string& pattern) {
         patterns += (patterns.empty() ? "" : "' -i '") + pattern;
     };
-    if (const auto several = several_shapes(can_test)) add(std::string(plain_set(*several).info->name));
+    if (const auto several = several_shapes(can_test)) add(std::string(default_set(*several).info->name));
     for (const Shape shape : all_shapes)
-        if (can_test(shape) || can_test(Shapes(shape).placed())) add(std::string(name_of(shape)) + ".*");
+        if (can_test(shape) || can_test(Shapes(shape).with_transform())) add(std::string(name_of(shape)) + ".*");
     return patterns;
 }
 
@@ -365,14 +367,15 @@ std::string forms_advice(const std::vector<TestedForm>& tested_forms, const Shap
     if (const auto several = several_shapes(can_test)) return ": " + missing_shapes_text(tested_forms, *several);
     const auto has_needless_transform = [&can_test](const TestedForm& tested_form) {
         const Shapes shapes = tested_form.form->shapes();
-        return shapes.are_placed() && can_test(shapes.placed(false));
+        return shapes.have_transform() && can_test(shapes.with_transform(false));
     };
     if (std::ranges::any_of(tested_forms, has_needless_transform))
-        return ": no primitive of it is placed by a matrix, so a transform has nothing to do; leave out the @ and the "
+        return ": no primitive of it has a transform, so a transform method has nothing to do; leave out the @ and the "
                "transform";
     std::vector<Shape> primitives;
     for (const Shape shape : all_shapes)
-        if (is_primitive(shape) && (can_test(shape) || can_test(Shapes(shape).placed()))) primitives.push_back(shape);
+        if (is_primitive(shape) && (can_test(shape) || can_test(Shapes(shape).with_transform())))
+            primitives.push_back(shape);
     const std::string reason = primitives.size() == 1 ? ": it has " + plurals_text(primitives) : "";
     return reason + "; try -i '" + patterns_for(can_test) + "'";
 }

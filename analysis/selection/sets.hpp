@@ -16,14 +16,14 @@ namespace lostbits::analysis::selection {
 /// combinations.
 inline constexpr std::size_t max_sets = 200;
 
-/// The shapes of these primitives. All of them count as placed by a matrix if one is.
+/// The shapes of these primitives. All of them count as transformed if one is.
 template <class List>
 Shapes shapes_of(const List& primitives) {
     Shapes all;
     for (const auto& primitive : primitives) {
-        const bool is_placed = all.are_placed() || primitive.placed;
+        const bool has_transform = all.have_transform() || primitive.transform;
         all |= primitive.shape;
-        all = all.placed(is_placed);
+        all = all.with_transform(has_transform);
     }
     return all;
 }
@@ -46,9 +46,9 @@ bool names_set(const std::string& pattern);
 /// cannot form a set and for more than `max_sets` sets, NothingSelected for a part that matches nothing.
 std::vector<const intersect::table::Intersector*> select_sets(const std::string& pattern, const char* option);
 
-/// The forms that a pattern names, such as `sphere.*@pbrt` (a form with a transform) or `sphere.*^box.signs~nearest` (a
-/// form behind a bounding box), or of a pattern with several such parts. Throws InputError and NothingSelected as the
-/// selection of each part does.
+/// The forms that a pattern names, such as `sphere.*@pbrt` (a form with a transform method) or
+/// `sphere.*^box.signs~nearest` (a form behind a bounding box), or of a pattern with several such parts. Throws
+/// InputError and NothingSelected as the selection of each part does.
 std::vector<const intersect::table::Intersector*> select_composed(const std::string& pattern, const char* option);
 
 /// The forms in formats that -i and -f select, and the patterns of -i.
@@ -59,7 +59,8 @@ struct SelectedForms {
 };
 
 /// Returns the tested forms that can test a subject called `name`. First it adds some to the chosen ones:
-///   - if matrices place its primitives: every chosen form without a transform, with the usual transform;
+///   - if its primitives have transforms: every chosen form without a transform method, with the usual transform
+///   method;
 ///   - if its primitives have several shapes: every combination of the chosen forms, one per shape, in each chosen
 ///     format. If all forms are chosen (as without -i) and none can test it, it adds only the plain set, and prints
 ///     that on stderr.
@@ -68,7 +69,7 @@ std::vector<measure::evaluate::TestedForm> tested_forms_handling(const SelectedF
                                                                  const ShapePredicate& can_test);
 
 /// The set of the first form of each shape that takes any direction and has the default convention (a touch is a hit).
-const intersect::table::Intersector& plain_set(Shapes shapes);
+const intersect::table::Intersector& default_set(Shapes shapes);
 
 /// The patterns of the forms that can test the subject, or a set if its primitives have several shapes. They are for
 /// text between single quotes: sphere.*' -i 'sdf.*

@@ -9,13 +9,13 @@
 
 #include "output/file/number_text.hpp"
 #include "scene/file/march_table.hpp"
-#include "scene/rays/lost_lengths.hpp"
+#include "scene/rays/unrepresentable_lengths.hpp"
 
 namespace lostbits::analysis::selection {
 
 using measure::evaluate::TestedForm;
-using scene::rays::LostLengths;
 using scene::rays::RayGroup;
+using scene::rays::UnrepresentableLengths;
 
 namespace {
 
@@ -48,14 +48,14 @@ bool marches_in(const Format& format, const std::vector<TestedForm>& tested_form
     });
 }
 
-void add_unrepresentable_numbers(const RayGroup& group, bool includes_march, const LostLengths::DescribePosition& where,
-                                 LostLengths& lost) {
+void add_unrepresentable_numbers(const RayGroup& group, bool includes_march,
+                                 const UnrepresentableLengths::DescribePosition& where, UnrepresentableLengths& lost) {
     lost.add_point(group.rays[0].origin, "a coordinate of the eye", where);
     for (const Primitive<double>& primitive : group.primitives) lost.add(primitive, where);
     if (!includes_march || !group.march) return;
     std::size_t i = 0;
-    // `transformed` calls the function for each number; its result is not needed.
-    transformed(*group.march, [&](double x) {
+    // `convert_numbers` calls the function for each number; its result is not needed.
+    convert_numbers(*group.march, [&](double x) {
         lost.add_number(x, "march." + std::string(intersect::march_number_names[i++]), where);
         return x;
     });
@@ -65,9 +65,9 @@ void add_unrepresentable_numbers(const RayGroup& group, bool includes_march, con
 
 void note_unrepresentable_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
     for (const Format& format : distinct_formats(tested_forms)) {
-        print_unrepresentable(scene.id, format, scene::rays::lost_lengths(scene, format.parameters));
+        print_unrepresentable(scene.id, format, scene::rays::unrepresentable_lengths(scene, format.parameters));
         if (!marches_in(format, tested_forms)) continue;
-        for (const std::string& lost : scene::file::lost_constants(scene, format.parameters))
+        for (const std::string& lost : scene::file::unrepresentable_constants(scene, format.parameters))
             print_unrepresentable(scene.id, format, {"march." + lost});
     }
 }
@@ -75,7 +75,7 @@ void note_unrepresentable_numbers(const scene::file::Scene& scene, const std::ve
 void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep, const std::vector<TestedForm>& tested_forms,
                                   intersect::process::StopToken stop) {
     const std::vector<Format> formats = distinct_formats(tested_forms);
-    std::vector<LostLengths> lost;
+    std::vector<UnrepresentableLengths> lost;
     std::vector<bool> includes_march;
     for (const Format& format : formats) {
         lost.emplace_back(format.parameters);
@@ -102,7 +102,7 @@ void note_unrepresentable_numbers(const scene::sweep::SweepFile& sweep, const st
 
 void note_unrepresentable_numbers(const scene::sweep::CaseFile& file, const std::vector<TestedForm>& tested_forms) {
     for (const Format& format : distinct_formats(tested_forms)) {
-        LostLengths lost(format.parameters);
+        UnrepresentableLengths lost(format.parameters);
         for (std::size_t i = 0; i < file.size(); ++i) {
             const std::vector<RayGroup> unrounded = file.unrounded_rays(i, format.parameters),
                                         rounded = file.rays(i, format.parameters);
@@ -116,8 +116,8 @@ void note_unrepresentable_numbers(const scene::sweep::CaseFile& file, const std:
     }
 }
 
-void note_idle_settings(const std::vector<std::string>& set, const std::string& id,
-                        const std::vector<TestedForm>& tested_forms) {
+void note_ineffective_settings(const std::vector<std::string>& set, const std::string& id,
+                               const std::vector<TestedForm>& tested_forms) {
     if (std::ranges::any_of(tested_forms, marches)) return;
     for (const std::string& assignment : set) {
         if (assignment.starts_with("march."))
@@ -131,7 +131,7 @@ void note_numbers(const scene::file::Scene& scene, const std::vector<std::string
                   const std::vector<TestedForm>& tested_forms, bool quiet) {
     if (quiet) return;
     note_unrepresentable_numbers(scene, tested_forms);
-    note_idle_settings(set, scene.id, tested_forms);
+    note_ineffective_settings(set, scene.id, tested_forms);
 }
 
 }  // namespace lostbits::analysis::selection

@@ -94,7 +94,7 @@ Shards::Shards(const std::vector<std::string>& folders, const std::string& progr
             if (unknown) real = file;
             if (std::ranges::find(seen, real) != seen.end()) continue;
             seen.push_back(real);
-            scene::toml::note_read(file);
+            scene::toml::reserve_for_reading(file);
             files_.emplace_back(file);
         }
     }

@@ -132,7 +132,7 @@ private:
 };
 
 /// Runs the command that the arguments name, with the measurements of the shards in place of its own.
-using RunCommandAgain = std::function<Exit(std::vector<std::string> arguments, std::shared_ptr<Shards> shards)>;
+using RunCommandAgain = std::function<ExitStatus(std::vector<std::string> arguments, std::shared_ptr<Shards> shards)>;
 
 /// Registers the subcommand; `version` is the program's.
 void add_merge(const shell::Command& program, const std::string& version, const RunCommandAgain& run_again);

@@ -7,7 +7,7 @@
 
 #include "analysis/shard/division.hpp"
 #include "measure/study/study.hpp"
-#include "output/pixel/row_files.hpp"
+#include "output/pixel/form_files.hpp"
 
 namespace lostbits::analysis::shard {
 
@@ -81,7 +81,7 @@ std::optional<std::vector<typename S::Summary>> run_divided(S study, Files& file
     using Result = StudyResult<typename S::Summary>;
     study.share = division.share();
     std::optional<Result> study_result =
-        result_with_files(Result{measure::study::begin_all(study)}, files, division, job, [&] {
+        result_with_files(Result{measure::study::empty_summaries(study)}, files, division, job, [&] {
             Result result{measure::study::run_share(study, files.show())};
             if constexpr (requires { result.stages = *study.stages; }) result.stages = *study.stages;
             return result;

@@ -241,7 +241,7 @@ std::function<std::vector<std::size_t>()> Command::make_value_order(const std::v
     };
 }
 
-void Command::set_action(const std::function<Exit()>& run) const {
+void Command::set_action(const std::function<ExitStatus()>& run) const {
     app_->callback([run, action = action_] { *action = run; });
 }
 
@@ -262,7 +262,7 @@ std::vector<Example> Command::examples() const {
     return all;
 }
 
-void Command::hide() const { app_->group(""); }
+void Command::hide_from_help() const { app_->group(""); }
 bool Command::is_hidden() const { return app_->get_group().empty(); }
 
 std::vector<Option> Command::options() const {
@@ -317,22 +317,22 @@ CommandLine::CommandLine(const std::string& name, const std::string& version, co
 
 CommandLine::~CommandLine() = default;
 
-CommandLine::Parsed CommandLine::parse(const std::vector<std::string>& words) {
+CommandLine::ParseOutcome CommandLine::parse(const std::vector<std::string>& words) {
     std::vector<const char*> argv;
     for (const std::string& word : words) argv.push_back(word.c_str());
     try {
         app_->parse(static_cast<int>(argv.size()), argv.data());
-        return Parsed::command;
+        return ParseOutcome::command;
     } catch (const CLI::CallForHelp& request) {
         // A word that should name a command, but does not, has no help.
         const std::vector<std::string> unused_words = leftover_words();
         if (!unused_words.empty() && !unused_words.front().starts_with('-') &&
             !given_commands().back().command_names().empty())
             throw CommandLineError(CommandLineError::unknown_word, request.what());
-        return Parsed::help;
+        return ParseOutcome::help;
     } catch (const CLI::Success& request) {  // --version
         app_->exit(request);
-        return Parsed::version;
+        return ParseOutcome::version;
     } catch (const CLI::ParseError& error) {
         throw CommandLineError(kind_of(error), error.what());
     }

@@ -103,10 +103,10 @@ public:
     /// Adds the examples that the help shows.
     void set_examples(const std::vector<Example>& examples) const;
     /// Leaves the command out of every help and list: the program starts it by itself.
-    void hide() const;
+    void hide_from_help() const;
 
     /// Sets the function that runs if this command is given.
-    void set_action(const std::function<Exit()>& run) const;
+    void set_action(const std::function<ExitStatus()>& run) const;
 
     [[nodiscard]] const std::string& name() const;  ///< empty: a group
     [[nodiscard]] std::string help() const;
@@ -121,9 +121,9 @@ public:
     [[nodiscard]] std::string command_path() const;                ///< their names: `lostbits plugin check`
 
 protected:
-    Command(CLI::App* app, std::function<Exit()>* action) : app_(app), action_(action) {}
+    Command(CLI::App* app, std::function<ExitStatus()>* action) : app_(app), action_(action) {}
     CLI::App* app_;
-    std::function<Exit()>* action_;  ///< runs the command that was given
+    std::function<ExitStatus()>* action_;  ///< runs the command that was given
 
 private:
     [[nodiscard]] std::vector<Command> to_commands(const std::vector<CLI::App*>& apps) const;
@@ -142,18 +142,18 @@ public:
     CommandLine(const std::string& name, const std::string& version, const std::string& help);
     ~CommandLine();
 
-    enum class Parsed { command, help, version };
+    enum class ParseOutcome { command, help, version };
     /// Parses the words; the first is the name of the program. If they asked for the version, it is printed. Throws
     /// CommandLineError, or what a check throws.
-    [[nodiscard]] Parsed parse(const std::vector<std::string>& words);
+    [[nodiscard]] ParseOutcome parse(const std::vector<std::string>& words);
     /// Runs the command that was given.
-    [[nodiscard]] Exit run() const { return run_(); }
+    [[nodiscard]] ExitStatus run() const { return run_(); }
 
     [[nodiscard]] std::vector<std::string> leftover_words() const;  ///< words that no option or argument takes
 
 private:
     std::unique_ptr<CLI::App> parser_;
-    std::function<Exit()> run_;
+    std::function<ExitStatus()> run_;
 };
 
 /// Turns an error of the parser into a message that says what is wrong, why, and what to try.

@@ -24,8 +24,8 @@ void ask_to_stop(int, siginfo_t* info, void*) {
     std::atomic<bool>& asked = is_from_supervisor(info->si_pid) ? asked_by_supervisor : asked_directly;
     if (!asked.exchange(true)) return;
     output::file::remove_partial_files();
-    report_status(static_cast<int>(Exit::interrupted));
-    _exit(static_cast<int>(Exit::interrupted));
+    report_status(static_cast<int>(ExitStatus::interrupted));
+    _exit(static_cast<int>(ExitStatus::interrupted));
 }
 
 /// Removes partial files and raises the signal again. The signal is blocked in this handler. It ends the process as

@@ -29,7 +29,7 @@ intersect::process::StopToken stop_by_signal();
 /// for the worker and never returns. Call it before any thread is started. The supervisor
 ///   - exits with the status that `report_status` was given;
 ///   - if the worker ends without a status, in any way: says so, names `libraries`, removes partial files and exits
-///     with Exit::environment;
+///     with ExitStatus::environment;
 ///   - passes on signals that are sent to it alone;
 ///   - kills processes that the worker left behind;
 ///   - waits at most `seconds` for destructors after the work.

@@ -59,7 +59,7 @@ std::string advice_text(const std::string& command, const RenamedOption& option)
 
 }  // namespace
 
-UpdatedArguments update_names(const Command& program, const std::vector<std::string>& arguments) {
+UpdatedArguments replace_former_names(const Command& program, const std::vector<std::string>& arguments) {
     UpdatedArguments result{arguments, {}};
     const std::size_t command = index_of_command(program, arguments);
     if (command >= arguments.size()) return result;

@@ -12,6 +12,6 @@ namespace lostbits::analysis::shell {
 struct UpdatedArguments {
     std::vector<std::string> arguments, advice;
 };
-UpdatedArguments update_names(const Command& program, const std::vector<std::string>& arguments);
+UpdatedArguments replace_former_names(const Command& program, const std::vector<std::string>& arguments);
 
 }  // namespace lostbits::analysis::shell

@@ -203,7 +203,7 @@ private:
                         crash_text(signal));
         const std::string safe = output::file::terminal_text(text);
         static_cast<void>(write(STDERR_FILENO, safe.data(), safe.size()));
-        _exit(is_broken_ ? *status_ : static_cast<int>(Exit::environment));
+        _exit(is_broken_ ? *status_ : static_cast<int>(ExitStatus::environment));
     }
 
     [[nodiscard]] std::string crash_text(int signal) const {
@@ -286,7 +286,7 @@ void supervise(const std::string& libraries, double seconds) {
     worker_link = link;
     worker_link.worker = getpid();
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != link.supervisor) _exit(static_cast<int>(Exit::environment));
+    if (getppid() != link.supervisor) _exit(static_cast<int>(ExitStatus::environment));
     output::file::listen_to_partial_files(report_partial_file);
     sigprocmask(SIG_SETMASK, &previous_mask, nullptr);
 }

@@ -72,7 +72,7 @@ struct ConsistencyAdapter {
     }
 
     /// The number of questions whose exact answer is not proved.
-    static std::uint64_t unproved(const Summaries& summaries) {
+    static std::uint64_t unproved_count(const Summaries& summaries) {
         std::uint64_t count = 0;
         for (const measure::consistency::FormChecks& form_checks : summaries)
             for (const measure::consistency::CheckSummary& s : form_checks)
@@ -80,7 +80,7 @@ struct ConsistencyAdapter {
         return count;
     }
 
-    static std::uint64_t unproved(const Presentation::SummaryRow& row) {
+    static std::uint64_t unproved_count(const Presentation::SummaryRow& row) {
         return row.summary->count_of(measure::consistency::CheckResult::unresolved);
     }
 
@@ -113,19 +113,21 @@ private:
         // A hit exactly at the end may count or not; only a form that does both is worth a sentence.
         if (check.name == "end") {
             const auto counted_hits = summary.count_of(measure::consistency::CheckResult::second_alone);
-            if (summary.asked() > 0 && counted_hits > 0 && counted_hits < summary.asked())
-                add("a hit exactly at the end of the ray counts for " + part_text(counted_hits, summary.asked()));
+            if (summary.question_count() > 0 && counted_hits > 0 && counted_hits < summary.question_count())
+                add("a hit exactly at the end of the ray counts for " +
+                    part_text(counted_hits, summary.question_count()));
             return text;
         }
 
-        if (summary.decisions() > 0) add("decisions differ for " + part_text(summary.decisions(), summary.asked()));
+        if (summary.decisions() > 0)
+            add("decisions differ for " + part_text(summary.decisions(), summary.question_count()));
         const double excess_ulps = summary.excess.quantile(1);  // NaN if no numbers are compared
         if (summary.count_of(measure::consistency::CheckResult::other_number) > 0 && !(excess_ulps > 0))
             add("numbers differ for " +
-                part_text(summary.count_of(measure::consistency::CheckResult::other_number), summary.asked()));
+                part_text(summary.count_of(measure::consistency::CheckResult::other_number), summary.question_count()));
         if (summary.count_of(measure::consistency::CheckResult::by_inputs) > 0 && !check.compares_numbers)
             add("decisions differ because of rounded inputs, not the form, for " +
-                part_text(summary.count_of(measure::consistency::CheckResult::by_inputs), summary.asked()));
+                part_text(summary.count_of(measure::consistency::CheckResult::by_inputs), summary.question_count()));
         if (excess_ulps > 0)
             add(fmt::format("{} are up to {:.3g} ulps further apart than the exact ones",
                             check.name == "placed" ? "both t" : "both ends", excess_ulps));
@@ -137,7 +139,7 @@ private:
         const std::string prefix = fmt::format("{} {}", tested_form.form->info->name, tested_form.format.name);
         std::string same_checks;
         for (std::size_t c = 0; c < checks.size(); ++c) {
-            if (checks[c].asked() == 0) continue;
+            if (checks[c].question_count() == 0) continue;
             const std::string text = check_text(*study.checks[c], checks[c]);
             if (text.empty())
                 same_checks += fmt::format("{}{}", same_checks.empty() ? "" : ", ", study.checks[c]->name);

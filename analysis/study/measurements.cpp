@@ -70,10 +70,10 @@ std::vector<TestedForm> select_forms_of_shape(const std::string& given_name, con
 
     // Says why none of the forms fits.
     if (!selection::filter_tested_forms(selected, [shape](Shapes forms) {
-             return forms == Shapes(shape).placed();
+             return forms == Shapes(shape).with_transform();
          }).empty())
         throw NothingSelected(fmt::format(
-            "--shape {}: its primitive is not placed by a matrix, so a form with a transform has nothing to do; name "
+            "--shape {}: its primitive has no transform, so a form with a transform method has nothing to do; name "
             "a scene with matrices, as in `lostbits trade instance-far.{}`",
             shape_name, shape_name));
     if (given_name.empty())

@@ -26,7 +26,7 @@
 #include "measure/study/study.hpp"
 #include "number/real.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/study/study_files.hpp"
 #include "output/table/shared_columns.hpp"
 #include "shapes/lift.hpp"
@@ -144,12 +144,12 @@ struct NumberAdapter {
             fmt::print("  {} {}: {}\n", study.tested_forms[r].form->info->name, study.tested_forms[r].format.name,
                        in_words(summaries[r]));
     }
-    static std::uint64_t unproved(const Summaries& summaries) {
+    static std::uint64_t unproved_count(const Summaries& summaries) {
         std::uint64_t max_unproved = 0;
         for (const NumberSummary& summary : summaries) max_unproved = std::max(max_unproved, summary.unresolved);
         return max_unproved;
     }
-    static std::uint64_t unproved(const NumberRow& row) { return row.summary->unresolved; }
+    static std::uint64_t unproved_count(const NumberRow& row) { return row.summary->unresolved; }
 
     static output::table::Table<NumberRow> summary_table() {
         output::table::Table<NumberRow> table;
@@ -194,21 +194,21 @@ struct NumberAdapter {
                                output::image::compiler_attribute()}};
     }
 
-    static std::string row_name(const Study& study, std::size_t form_index) {
-        return output::map::row_name(study.tested_forms[form_index]);
+    static std::string file_stem(const Study& study, std::size_t form_index) {
+        return output::map::tested_form_name(study.tested_forms[form_index]);
     }
     static std::size_t pixels(const NumberBand& band) { return band.numbers.size(); }
-    static std::vector<output::pixel::PixelColumn<NumberBand>> columns(const Study& study) {
+    static std::vector<output::pixel::DrawnColumn<NumberBand>> columns(const Study& study) {
         const auto look = std::make_shared<const output::pixel::Look>(
             output::pixel::Look{{{"no number", output::pixel::colour_of(measure::answer::Outcome::agree_miss)}, {""}},
                                 Quantity::scale(),
                                 Quantity::unit});
 
-        std::vector<output::pixel::PixelColumn<NumberBand>> all;
+        std::vector<output::pixel::DrawnColumn<NumberBand>> all;
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
             const measure::evaluate::TestedForm& tested_form = study.tested_forms[r];
             all.push_back(
-                {{.file = row_name(study, r) + ".png",
+                {{.file = file_stem(study, r) + ".png",
                   .title = Quantity::meaning,
                   .subtitle = {fmt::format("{} in {}", tested_form.form->info->name, tested_form.format.name)},
                   .look = look,
@@ -221,7 +221,7 @@ struct NumberAdapter {
         }
         return all;
     }
-    static output::pixel::Sheet sheet(const Study& study, const std::filesystem::path& file) {
+    static output::pixel::SheetFile sheet(const Study& study, const std::filesystem::path& file) {
         output::image::SheetSpec spec{
             .title = study.scene.title,
             .subtitle = {fmt::format("{}, {} x {} pixels: {}", study.scene.id, study.scene.width, study.scene.height,

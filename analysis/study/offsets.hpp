@@ -90,8 +90,8 @@ struct OffsetsAdapter {
                 study.scene.id);
     }
 
-    static std::uint64_t unproved(const Summaries& summaries) { return summaries.front().unresolved; }
-    static std::uint64_t unproved(const Presentation::SummaryRow& row) { return row.summary->unresolved; }
+    static std::uint64_t unproved_count(const Summaries& summaries) { return summaries.front().unresolved; }
+    static std::uint64_t unproved_count(const Presentation::SummaryRow& row) { return row.summary->unresolved; }
 
     /// Leaves out the search for a quiet offset, which takes as long as all the rest, if no column is about it.
     static void skip_unneeded_work(Study& study, const std::set<std::string>& columns) {
@@ -117,8 +117,8 @@ struct OffsetsAdapter {
     }
 
 private:
-    static std::optional<measure::offset::BadRay> find_bad_ray(const measure::offset::StrategySummary& s,
-                                                               const std::string& column) {
+    static std::optional<measure::offset::FaultyRay> find_bad_ray(const measure::offset::StrategySummary& s,
+                                                                  const std::string& column) {
         using measure::offset::Fault;
         for (std::size_t f = 0; f < measure::offset::fault_names.size(); ++f)
             if (column == std::string(measure::offset::fault_names[f]) + "_fraction") return s.first_bad_rays[f];

@@ -58,7 +58,7 @@ struct RenderAdapter {
                 fmt::format("{}: the spheres of [sphereflake] have no colours, so render cannot draw them; use "
                             "`lostbits map`",
                             scene.path.string()));
-        if (!scene.accepts(Shapes(scene::file::rendered_shape).placed(scene.is_placed())))
+        if (!scene.accepts(Shapes(scene::file::rendered_shape).with_transform(scene.has_transform())))
             throw InputError(
                 fmt::format("{}: render draws {}, but scene \"{}\" has {}; use `lostbits map`", scene.path.string(),
                             row_of(scene::file::rendered_shape).plural, scene.id,
@@ -79,7 +79,7 @@ struct RenderAdapter {
     }
 
     /// Prints which stages a scene does not have.
-    static void note(const scene::file::Scene& scene, const StudyValues& values) {
+    static void print_missing_stages(const scene::file::Scene& scene, const StudyValues& values) {
         for (const std::string& stage_name : values.at("stage")) {
             const auto requested = parse_stage(stage_name), drawn = scene.appearance.last_stage_up_to(requested);
             if (drawn != requested)
@@ -93,14 +93,14 @@ struct RenderAdapter {
     }
 
     /// The number of pixels with something that is not proved.
-    static std::uint64_t unproved(const Summaries& summaries) {
+    static std::uint64_t unproved_count(const Summaries& summaries) {
         std::uint64_t max_unproved = 0;
         for (const Study::Summary& row : summaries)
             for (const measure::render::RenderSummary& s : row) max_unproved = std::max(max_unproved, s.unresolved());
         return max_unproved;
     }
 
-    static std::uint64_t unproved(const Presentation::SummaryRow& row) { return row.summary->unresolved(); }
+    static std::uint64_t unproved_count(const Presentation::SummaryRow& row) { return row.summary->unresolved(); }
 
 private:
     /// The stage of this name, which must be known.

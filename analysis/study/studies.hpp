@@ -20,10 +20,10 @@ namespace lostbits::analysis::study {
 ///                                 selects by default; an assignment for --set
 ///   examples()                    two command lines for the help, which a test runs
 ///   print_results(study, summaries, verbose)  prints the results of a scene
-///   unproved(summaries), unproved(row)  the number of pixels without a proof, of all forms and of a row of the summary
+///   unproved_count(summaries), unproved_count(row)  the number of pixels without a proof, of all forms and of one row
 ///   witness(row, column)          optional: a ray behind a number of a row of the summary, for claims
 ///   skip_unneeded_work(study, columns)  optional: skips the work that these columns of the summary do not need
-///   note(scene, values)           optional: prints notes before the work
+///   print_missing_stages(scene, values)  optional: prints a note before the work
 using Studies = std::tuple<ConsistencyAdapter, OffsetsAdapter, RenderAdapter>;
 
 /// Throws InputError for a study that does not exist.

@@ -19,26 +19,26 @@ ABI = 10
 
 
 class Error(Exception):
-    """An error of lostbits. Its text says what is wrong, why, and what to try. `code`: the program's exit code for it.
+    """An error of lostbits. Its text says what is wrong, why, and what to try. `code`: the program's exit status for it.
     """
 
     code = 70
 
 
 class InputError(Error, ValueError):
-    """An argument or a file is not valid. Exit code 2."""
+    """An argument or a file is not valid. Exit status 2."""
 
     code = 2
 
 
 class EnvironmentFault(Error, OSError):
-    """The machine is at fault: no memory, a file that cannot be read or written, a missing library. Exit code 3."""
+    """The machine is at fault: no memory, a file that cannot be read or written, a missing library. Exit status 3."""
 
     code = 3
 
 
 class NothingSelected(Error, LookupError):
-    """A pattern selects nothing. Exit code 4."""
+    """A pattern selects nothing. Exit status 4."""
 
     code = 4
 
@@ -188,7 +188,7 @@ class Handle:
 
 
 def raise_for(code: int, error: Any) -> int:
-    """Raises the exception for an exit code. Returns 0 and 1."""
+    """Raises the exception for an exit status. Returns 0 and 1."""
     if code == 130:
         raise KeyboardInterrupt
     if code not in (0, 1):

@@ -24,7 +24,7 @@ struct Affine {
     }
     /// Calls `visit` for the twelve numbers, row by row.
     template <class Visit>
-    constexpr void each(const Visit& visit) const {
+    constexpr void for_each_number(const Visit& visit) const {
         for (int i = 0; i < 3; ++i) {
             const Vec<T>& row = rows[static_cast<std::size_t>(i)];
             visit(row.x);

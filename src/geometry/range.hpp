@@ -38,7 +38,7 @@ struct Range {
 
     /// Returns the range with both ends closed that holds the same numbers of this format: t > tmin becomes t ≥ the
     /// next number above tmin. A tmax of infinity is not changed.
-    [[nodiscard]] Range closed() const {
+    [[nodiscard]] Range with_closed_ends() const {
         constexpr T infinity = std::numeric_limits<T>::infinity();
         Range result{tmin, tmax};
         if (open_ends.tmin) result.tmin = std::nextafter(tmin, infinity);

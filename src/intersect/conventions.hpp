@@ -41,11 +41,11 @@ constexpr bool answers_0_inside(Shape shape, Inside inside) {
 
 namespace detail {
 
-/// Answer for a ray that begins on the surface. It is 0 if `at_origin` is `hit`, and also if it is `exit` and `is_exit`
+/// Answer for a ray that begins on the surface. It is 0 if `at_origin` is `hit`, and also if it is `exit` and `leaves`
 /// is true: the ray leaves the primitive there, only touches it, or the primitive is flat. In all other cases the
 /// answer is `otherwise`.
-constexpr RightAnswer answer_at_origin(AtOrigin at_origin, bool is_exit, RightAnswer otherwise) {
-    return at_origin == AtOrigin::hit || (at_origin == AtOrigin::exit && is_exit) ? RightAnswer::origin : otherwise;
+constexpr RightAnswer answer_at_origin(AtOrigin at_origin, bool leaves, RightAnswer otherwise) {
+    return at_origin == AtOrigin::hit || (at_origin == AtOrigin::exit && leaves) ? RightAnswer::origin : otherwise;
 }
 
 /// True if a line may run along the surface.
@@ -53,8 +53,8 @@ constexpr bool has_straight_parts(Shape shape) {
     return shape != Shape::sphere && shape != Shape::ellipsoid && shape != Shape::torus;
 }
 
-constexpr RightAnswer right_on_surface(Shape shape, Situation situation, const Convention& convention) {
-    const bool exits_miss = convention.inside == Inside::miss && has_inside(shape);
+constexpr RightAnswer answer_on_surface(Shape shape, Situation situation, const Convention& convention) {
+    const bool exit_is_miss = convention.inside == Inside::miss && has_inside(shape);
     const bool touching_misses = convention.touching == Touching::miss;
     const bool is_touching = situation == Situation::touching_at_origin || situation == Situation::along;
     // A ray that begins where it leaves a box touches it, because the points of a face belong to the box.
@@ -65,8 +65,8 @@ constexpr RightAnswer right_on_surface(Shape shape, Situation situation, const C
     if (shape == Shape::box && answers_0_inside(shape, convention.inside)) return RightAnswer::origin;
     if (situation == Situation::entering)
         return answer_at_origin(convention.at_origin, is_flat(shape),
-                                exits_miss || is_flat(shape) ? RightAnswer::miss : RightAnswer::next);
-    if (situation == Situation::leaving && exits_miss) return RightAnswer::miss;
+                                exit_is_miss || is_flat(shape) ? RightAnswer::miss : RightAnswer::next);
+    if (situation == Situation::leaving && exit_is_miss) return RightAnswer::miss;
     if (situation == Situation::along) return answer_at_origin(convention.at_origin, false, RightAnswer::next);
     return answer_at_origin(convention.at_origin, true, RightAnswer::miss);
 }
@@ -98,7 +98,7 @@ constexpr RightAnswer right_answer(Shape shape, Situation situation, const Conve
             break;
         case Situation::entering: break;
     }
-    return detail::right_on_surface(shape, situation, convention);
+    return detail::answer_on_surface(shape, situation, convention);
 }
 
 /// True if the property on the origin changes any answer about a primitive, given the property for rays from inside.

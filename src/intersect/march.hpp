@@ -28,7 +28,7 @@ inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "
 
 /// Converts each number by `lift`, in order. The counts are the same in any arithmetic.
 template <class S, class Lift>
-auto transformed(const MarchConstants<S>& c, Lift lift) {
+auto convert_numbers(const MarchConstants<S>& c, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
     return MarchConstants<T>{.hit_eps = lift(c.hit_eps),
                              .max_dist = lift(c.max_dist),

@@ -33,8 +33,8 @@ public:
     explicit LiftedTarget(const Target<S>& source) {
         const auto lift = [](S x) { return T(x); };
         primitives_.reserve(source.primitives.size());
-        for (const Primitive<S>& primitive : source.primitives) primitives_.push_back(transformed(primitive, lift));
-        if (source.march) march_.emplace(transformed(*source.march, lift));
+        for (const Primitive<S>& primitive : source.primitives) primitives_.push_back(convert_numbers(primitive, lift));
+        if (source.march) march_.emplace(convert_numbers(*source.march, lift));
     }
     /// Valid while this object lives.
     [[nodiscard]] Target<T> get() const {

@@ -19,12 +19,12 @@ public:
     Ball() = default;
     explicit Ball(int x) : hi_(x) {}
     explicit Ball(double x) : hi_(x) {
-        if (!std::isfinite(x)) *this = anything();
+        if (!std::isfinite(x)) *this = all_reals();
     }
     /// hi + lo ± radius, with |lo| ≤ ulp(hi)/2.
     Ball(double hi, double lo, double radius) : hi_(hi), lo_(lo), radius_(radius) {}
 
-    static Ball anything(Undefined u = Undefined::maybe) {
+    static Ball all_reals(Undefined u = Undefined::maybe) {
         Ball b;
         b.radius_ = HUGE_VAL;
         b.undefined_ = u;
@@ -55,7 +55,7 @@ public:
     }
     friend Ball operator-(const Ball& a, const Ball& b) { return a + (-b); }
     friend Ball operator*(const Ball& a, const Ball& b) {
-        if (a.is_zero() || b.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : anything();
+        if (a.is_zero() || b.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : all_reals();
         const DoubleDouble p = two_product(a.hi_, b.hi_);
         const double propagated_radius =
             std::fabs(a.hi_) * b.radius_ + std::fabs(b.hi_) * a.radius_ + a.radius_ * b.radius_;
@@ -64,17 +64,17 @@ public:
         if (are_doubles)
             return is_in_range(p.hi) || has_zero_midpoint
                        ? finish(p, propagated_radius, are_points(a, b), undefined_of(a, b))
-                       : anything();
+                       : all_reals();
         const DoubleDouble r = quick_two_sum(p.hi, p.lo + std::fma(a.hi_, b.lo_, a.lo_ * b.hi_));
-        if (!is_in_range(r.hi) && !has_zero_midpoint) return anything();
+        if (!is_in_range(r.hi) && !has_zero_midpoint) return all_reals();
         return finish(r, propagated_radius, false, undefined_of(a, b));
     }
     friend Ball operator/(const Ball& a, const Ball& b) {
         const double distance_from_zero = std::fabs(b.hi_) * (1 - 0x1p-50) - b.radius_;
-        if (!(distance_from_zero > 0)) return anything();
-        if (a.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : anything();
+        if (!(distance_from_zero > 0)) return all_reals();
+        if (a.is_zero()) return a.is_bounded() && b.is_bounded() ? Ball(0) : all_reals();
         const double qh = a.hi_ / b.hi_;
-        if (!is_in_range(qh) || !is_in_range(a.hi_)) return anything();
+        if (!is_in_range(qh) || !is_in_range(a.hi_)) return all_reals();
         // The remainder a − qh·b is small enough to be a double-double again.
         const double rh = quotient_residual(a.hi_, b.hi_, qh);
         const double ql = (rh + (a.lo_ - qh * b.lo_)) / b.hi_;
@@ -87,12 +87,12 @@ public:
 
     friend Ball sqrt(const Ball& a) {
         if (a.undefined_ == Undefined::always) return a;
-        if (a.is_zero()) return a.is_bounded() ? Ball(0) : anything();
+        if (a.is_zero()) return a.is_bounded() ? Ball(0) : all_reals();
         if (a.hi_ * (1 - 0x1p-50) <= a.radius_) {
             const bool is_negative = a.hi_ < 0 && -a.hi_ * (1 - 0x1p-50) > a.radius_ && a.is_bounded();
-            return anything(is_negative ? Undefined::always : Undefined::maybe);
+            return all_reals(is_negative ? Undefined::always : Undefined::maybe);
         }
-        if (!is_in_range(a.hi_)) return anything();
+        if (!is_in_range(a.hi_)) return all_reals();
         const double sh = std::sqrt(a.hi_);
         const double sl = (a.lo_ + root_residual(a.hi_, sh)) / (2 * sh);
         // |√x − √a| = |x − a|/(√x + √a) ≤ radius/√a
@@ -106,7 +106,7 @@ public:
     friend Ball copysign(const Ball& a, const Ball& b) {
         const Tri is_negative = b < Ball(0);
         // `is_negative` is a plain no if b is certainly NaN; the sign of a NaN may be either.
-        if (is_negative.is_unknown() || b.is_zero() || !b.is_bounded()) return anything();
+        if (is_negative.is_unknown() || b.is_zero() || !b.is_bounded()) return all_reals();
         return is_negative.is_yes() ? -abs(a) : abs(a);
     }
 
@@ -125,9 +125,9 @@ public:
         const bool are_equal =
             a.hi_ == b.hi_ && a.lo_ == b.lo_ && a.radius_ == b.radius_ && a.undefined_ == b.undefined_;
         if (are_equal) return a;
-        if (!a.is_bounded() || !b.is_bounded()) return anything();
+        if (!a.is_bounded() || !b.is_bounded()) return all_reals();
         const Ball difference = b - a;
-        if (!difference.is_bounded()) return anything();
+        if (!difference.is_bounded()) return all_reals();
         return Ball(a.hi_, a.lo_,
                     (std::fabs(difference.hi_) * (1 + 0x1p-50) + difference.radius_ + a.radius_ + b.radius_) *
                         radius_inflation);
@@ -152,7 +152,7 @@ private:
     static Ball finish(DoubleDouble midpoint, double radius, bool is_error_free, Undefined u) {
         if (!is_error_free) radius = (radius + std::fabs(midpoint.hi) * dd_error) * radius_inflation + smallest_radius;
         if (!(std::fabs(midpoint.hi) <= largest_midpoint) || !(radius < HUGE_VAL))
-            return anything(u == Undefined::always ? u : Undefined::maybe);
+            return all_reals(u == Undefined::always ? u : Undefined::maybe);
         Ball r(midpoint.hi, midpoint.lo, radius);
         r.undefined_ = u;
         return r;

@@ -45,10 +45,10 @@ struct Format {
 std::optional<Format> find_format(std::string_view name);
 
 /// The names that `lostbits list formats` shows, each with a line of explanation.
-struct FormatHelp {
+struct FormatDescription {
     std::string_view name, meaning;
 };
-inline constexpr FormatHelp format_help[] = {
+inline constexpr FormatDescription format_descriptions[] = {
     {"f32", "IEEE 754 binary32, the machine's float: 24 bits"},
     {"f64", "IEEE 754 binary64, the machine's double: 53 bits"},
     {"fp16", "IEEE 754 binary16 (half): 11 bits, exponents -14..15"},

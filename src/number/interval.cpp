@@ -103,7 +103,7 @@ void Interval::ensure_ends() const {
     has_ends_ = true;
 }
 
-Interval Interval::anything(Undefined u) {
+Interval Interval::all_reals(Undefined u) {
     Interval r{Interval::UninitialisedTag()};
     mpfr_set_inf(&r.value_->left, -1);
     mpfr_set_inf(&r.value_->right, +1);
@@ -120,7 +120,7 @@ Interval Interval::between(double lower, double upper) {
 // An endpoint that is NaN means that some choice of operands is undefined (∞ − ∞, 0·∞), so nothing is known.
 void Interval::set_undefined(Undefined u) {
     undefined_ = u;
-    if (mpfi_nan_p(value_) != 0) *this = anything(u == Undefined::always ? u : Undefined::maybe);
+    if (mpfi_nan_p(value_) != 0) *this = all_reals(u == Undefined::always ? u : Undefined::maybe);
     else if (mpfi_bounded_p(value_) == 0 && undefined_ == Undefined::never) undefined_ = Undefined::maybe;
 }
 
@@ -150,7 +150,7 @@ Interval operator*(const Interval& a, const Interval& b) {
 }
 Interval operator/(const Interval& a, const Interval& b) {
     const Undefined u = combine_undefined(a.undefined_, b.undefined_);
-    if (mpfi_has_zero(b.ends()) > 0) return Interval::anything(u == Undefined::always ? u : Undefined::maybe);
+    if (mpfi_has_zero(b.ends()) > 0) return Interval::all_reals(u == Undefined::always ? u : Undefined::maybe);
     Interval r{Interval::UninitialisedTag()};
     mpfi_div(r.value_, a.ends(), b.ends());
     r.set_undefined(u);
@@ -181,7 +181,7 @@ Tri operator<=(const Interval& a, const Interval& b) {
 
 Interval sqrt(const Interval& a) {
     if (mpfr_sgn(a.upper()) < 0)
-        return Interval::anything(a.undefined_ == Undefined::maybe ? Undefined::maybe : Undefined::always);
+        return Interval::all_reals(a.undefined_ == Undefined::maybe ? Undefined::maybe : Undefined::always);
     if (mpfr_sgn(a.lower()) >= 0) {
         Interval r{Interval::UninitialisedTag()};
         mpfi_sqrt(r.value_, a.ends());
@@ -240,7 +240,7 @@ Interval largest_magnitude(const Interval& a) {
 
 // Real numbers do not have signed zeros, so the result is unknown if b may be zero.
 Interval copysign(const Interval& a, const Interval& b) {
-    if (b.undefined_ != Undefined::never || mpfi_has_zero(b.ends()) > 0) return Interval::anything();
+    if (b.undefined_ != Undefined::never || mpfi_has_zero(b.ends()) > 0) return Interval::all_reals();
     return mpfi_is_neg(b.ends()) > 0 ? -abs(a) : abs(a);
 }
 

@@ -50,7 +50,7 @@ public:
     ~Interval();
 
     /// Interval of all reals, whose exact value may be undefined.
-    static Interval anything(Undefined u = Undefined::maybe);
+    static Interval all_reals(Undefined u = Undefined::maybe);
     static Interval between(double lower, double upper);
 
     /// The endpoints of a point are made on demand, so only one thread at a time may use an interval.

@@ -25,7 +25,7 @@ public:
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    /// The recorder of this thread. Throws Error(Exit::internal) if there is none.
+    /// The recorder of this thread. Throws Error(ExitStatus::internal) if there is none.
     static Recorder& current() {
         if (current_ == nullptr) [[unlikely]]
             fail_without_recorder();
@@ -59,7 +59,8 @@ public:
 
 private:
     [[noreturn]] static void fail_without_recorder() {
-        throw Error(Exit::internal, "a recorded number was used on a thread without a Recorder: construct one first");
+        throw Error(ExitStatus::internal,
+                    "a recorded number was used on a thread without a Recorder: construct one first");
     }
     static inline constinit thread_local Recorder* current_ = nullptr;
 
@@ -116,7 +117,7 @@ public:
     explicit BasicRecorded(X x) : node_(Recorder::current().input(x, is_double)) {}
 
     /// The number with this index in the recorder.
-    static BasicRecorded at(NodeId node) { return BasicRecorded(node, FromNode()); }
+    static BasicRecorded at(NodeId node) { return BasicRecorded(node, FromNodeTag()); }
 
     [[nodiscard]] NodeId node() const { return node_; }
     [[nodiscard]] auto value() const {
@@ -188,8 +189,8 @@ public:
     }
 
 private:
-    struct FromNode {};
-    BasicRecorded(NodeId node, FromNode) : node_(node) {}
+    struct FromNodeTag {};
+    BasicRecorded(NodeId node, FromNodeTag) : node_(node) {}
     static BasicRecorded record_number(TapeOp op, const BasicRecorded& a) { return at(record(op, a.node_)); }
     static BasicRecorded record_number(TapeOp op, const BasicRecorded& a, const BasicRecorded& b) {
         return at(record(op, a.node_, b.node_));

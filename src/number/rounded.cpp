@@ -14,7 +14,7 @@ constinit thread_local const FloatFormat* CurrentFormat::current_ = nullptr;
 constinit thread_local CurrentFormat::Engine CurrentFormat::engine_ = CurrentFormat::Engine::rounding;
 
 void CurrentFormat::fail_without_format() {
-    throw Error(Exit::internal,
+    throw Error(ExitStatus::internal,
                 "a number of a format chosen at run time was used where no format is set: wrap the code in "
                 "CurrentFormat::Scope, or call it through with_number");
 }

@@ -37,7 +37,7 @@ double next_up(double a, const FloatFormat& f);
 /// The format that `RoundedAny` computes in on this thread: that of the innermost scope.
 class CurrentFormat {
 public:
-    /// The format of the innermost scope; Error(Exit::internal) outside of every scope.
+    /// The format of the innermost scope; Error(ExitStatus::internal) outside of every scope.
     static const FloatFormat& get() {
         if (!current_) [[unlikely]]
             fail_without_format();

@@ -46,13 +46,13 @@ BoundingBox<T> bounding_box_of(const Primitive<T>& primitive) {
     return {bounding_box.lo - extension, bounding_box.hi + extension};
 }
 
-/// Returns the bounding box of the eight corners of a box, each transformed by `transform(corner)`.
-template <Number T, class Transform>
-BoundingBox<T> bounding_box_of_corners(const BoundingBox<T>& box, const Transform& transform) {
+/// Returns the bounding box of the eight corners of a box, each moved by `map_point(corner)`.
+template <Number T, class MapPoint>
+BoundingBox<T> bounding_box_of_corners(const BoundingBox<T>& box, const MapPoint& map_point) {
     BoundingBox<T> bounding_box = box;
     for (int corner = 0; corner < 8; ++corner) {
         const auto side = [&](int i) { return (corner >> i & 1) != 0 ? box.hi[i] : box.lo[i]; };
-        const Vec<T> p = transform(Vec<T>(side(0), side(1), side(2)));
+        const Vec<T> p = map_point(Vec<T>(side(0), side(1), side(2)));
         for (int i = 0; i < 3; ++i) {
             bounding_box.lo[i] = corner == 0 ? p[i] : min(bounding_box.lo[i], p[i]);
             bounding_box.hi[i] = corner == 0 ? p[i] : max(bounding_box.hi[i], p[i]);

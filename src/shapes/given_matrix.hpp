@@ -1,4 +1,4 @@
-// Placement of a primitive by a matrix that the user gives as twelve numbers, row by row.
+// Transform of a primitive, whose matrix the user gives as twelve numbers, row by row.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 
 namespace lostbits {
 
-/// Builds the placement, with the sign of the determinant. The caller must refuse it if it is not proper.
+/// Builds the transform, with the sign of the determinant. The caller must refuse it if it is not proper.
 template <class S>
-Placement<S> placement_of(const std::array<S, Affine<S>::numbers>& numbers, bool is_inverse = false) {
+Transform<S> transform_of(const std::array<S, Affine<S>::numbers>& numbers, bool is_inverse = false) {
     return {numbers, is_inverse, orientation_of(numbers)};
 }
 
-/// Reason for refusing a placement that is not proper, as the rest of a sentence after "the matrix " or the name of its
+/// Reason for refusing a transform that is not proper, as the rest of a sentence after "the matrix " or the name of its
 /// key.
 inline constexpr std::string_view singular_reason =
     "is singular: it flattens the primitive, so no ray can be transformed back; write rows that do not lie in one "

@@ -13,7 +13,7 @@
 
 namespace lostbits {
 
-/// Returns the sign of the determinant of a matrix; see `orientation_of` in placement.hpp.
+/// Returns the sign of the determinant of a matrix; see `orientation_of` in transform.hpp.
 int orientation_of(std::span<const Real, 12> matrix);
 
 template <class E, class S>
@@ -24,11 +24,11 @@ E lift(const S& x) {
 template <>
 inline Ball lift<Ball, Real>(const Real& x) {
     const auto hi = x.convert_to<double>();
-    if (!std::isfinite(hi)) return Ball::anything();
+    if (!std::isfinite(hi)) return Ball::all_reals();
     const auto lo = Real(x - Real(hi)).convert_to<double>();
     const Real rest = Real(x - Real(hi)) - Real(lo);
     if (rest == 0) return Ball(hi, lo, 0);
-    return std::fabs(hi) < 0x1p-800 ? Ball::anything() : Ball(hi, lo, std::fabs(hi) * 0x1p-104);
+    return std::fabs(hi) < 0x1p-800 ? Ball::all_reals() : Ball(hi, lo, std::fabs(hi) * 0x1p-104);
 }
 
 template <class E, class S>
@@ -43,7 +43,7 @@ Ray<E> lift_ray(const Ray<S>& ray) {
 
 template <class E, class S>
 Primitive<E> lift_primitive(const Primitive<S>& primitive) {
-    return transformed(primitive, [](const S& x) { return lift<E>(x); });
+    return convert_numbers(primitive, [](const S& x) { return lift<E>(x); });
 }
 
 /// Converts the numbers of a format to the doubles that hold them.
@@ -57,7 +57,7 @@ Ray<double> as_doubles(const Ray<T>& ray) {
 }
 template <class T>
 Primitive<double> as_doubles(const Primitive<T>& primitive) {
-    return transformed(primitive, [](const T& x) { return as_double(x); });
+    return convert_numbers(primitive, [](const T& x) { return as_double(x); });
 }
 
 /// `nearest_double` returns the double nearest to a number, and `nearest_low_double` the double nearest to the

@@ -10,21 +10,21 @@
 #include <utility>
 
 #include "shapes/on_one_line.hpp"
-#include "shapes/placement.hpp"
 #include "shapes/rows.hpp"
+#include "shapes/transform.hpp"
 
 namespace lostbits {
 
 /// Largest number of stored numbers of a primitive: those of its shape, then those of its matrix.
 inline constexpr std::size_t max_primitive_numbers = max_shape_numbers + Affine<double>::numbers;
 
-/// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A placement transforms
-/// the primitive to the world. Without a placement, its numbers are in world coordinates.
+/// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A transform takes the
+/// primitive to the world. Without a transform, its numbers are in world coordinates.
 template <class S>
 struct Primitive {
     Shape shape = shape_rows.front().shape;
     std::array<S, max_shape_numbers> numbers = zeros();
-    std::optional<Placement<S>> placed = {};
+    std::optional<Transform<S>> transform = {};
 
     Primitive() = default;
     explicit Primitive(Shape initial_shape) : shape(initial_shape) {}
@@ -107,8 +107,8 @@ void set_direction_square(Span& span, const S& d2) {
 /// Calls `act(shape, ray)` with a primitive of shape `Of` and the ray, both in the space of the primitive.
 template <template <class> class Of, class S, class Act>
 auto visit_in_object_space(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act) {
-    if (!primitive.placed) return act(primitive.template as<Of>(), ray);
-    const ObjectSpaceRay<S> in = to_object_space(ray, *primitive.placed);
+    if (!primitive.transform) return act(primitive.template as<Of>(), ray);
+    const ObjectSpaceRay<S> in = to_object_space(ray, *primitive.transform);
     return act(scaled(primitive, in.scale).template as<Of>(), in.ray);
 }
 
@@ -117,7 +117,7 @@ template <template <class> class Of, class S>
 auto span_of(const Ray<S>& ray, const Primitive<S>& primitive) {
     auto span = visit_in_object_space<Of>(
         ray, primitive, [](const Of<S>& shape, const Ray<S>& object_ray) { return shape.span(object_ray); });
-    if (primitive.placed) set_direction_square(span, square(ray.direction));
+    if (primitive.transform) set_direction_square(span, square(ray.direction));
     return span;
 }
 
@@ -132,8 +132,8 @@ auto with_span(const Ray<S>& ray, const Primitive<S>& primitive, const Act& act)
 template <class S>
 auto ball_around(const Primitive<S>& primitive) {
     auto ball = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
-    if (primitive.placed) {
-        const Affine<S> m = primitive.placed->map();
+    if (primitive.transform) {
+        const Affine<S> m = primitive.transform->map();
         ball.centre = m.point(ball.centre);
         ball.radius = sqrt(square(m.rows[0]) + square(m.rows[1]) + square(m.rows[2])) * ball.radius;
     }
@@ -150,10 +150,10 @@ Primitive<S> primitive_around(Shape shape, const Vec<S>& point, const S& half) {
 
 /// Converts each number by `lift`, in order. The numbers of the matrix come last.
 template <class S, class Lift>
-auto transformed(const Primitive<S>& primitive, Lift lift) {
+auto convert_numbers(const Primitive<S>& primitive, Lift lift) {
     Primitive<std::decay_t<std::invoke_result_t<Lift, const S&>>> result(primitive.shape);
     for (std::size_t i = 0; i < primitive.shape_numbers().size(); ++i) result.numbers[i] = lift(primitive.numbers[i]);
-    if (primitive.placed) result.placed = transformed(*primitive.placed, lift);
+    if (primitive.transform) result.transform = convert_numbers(*primitive.transform, lift);
     return result;
 }
 

@@ -159,7 +159,7 @@ inline constexpr std::optional<Shape> shape_named(std::string_view name) {
     return std::nullopt;
 }
 
-/// A set of shapes, and a flag that is set if the primitives are under matrices. A single shape converts to it.
+/// A set of shapes, and a flag that is set if the primitives have transforms. A single shape converts to it.
 class Shapes {
 public:
     constexpr Shapes() = default;
@@ -171,16 +171,16 @@ public:
     [[nodiscard]] constexpr bool has(Shape shape) const { return (bits_ & Shapes(shape).bits_) != 0; }
     /// True if the set has more than one shape.
     [[nodiscard]] constexpr bool are_several() const {
-        const unsigned shapes = bits_ & ~placed_bit;
+        const unsigned shapes = bits_ & ~transform_bit;
         return (shapes & (shapes - 1)) != 0;
     }
-    /// Returns the same set, with or without the flag for matrices.
-    [[nodiscard]] constexpr Shapes placed(bool under_matrix = true) const {
+    /// Returns the same set, with or without the flag for transforms.
+    [[nodiscard]] constexpr Shapes with_transform(bool has_transform = true) const {
         Shapes result = *this;
-        result.bits_ = under_matrix ? bits_ | placed_bit : bits_ & ~placed_bit;
+        result.bits_ = has_transform ? bits_ | transform_bit : bits_ & ~transform_bit;
         return result;
     }
-    [[nodiscard]] constexpr bool are_placed() const { return (bits_ & placed_bit) != 0; }
+    [[nodiscard]] constexpr bool have_transform() const { return (bits_ & transform_bit) != 0; }
     constexpr Shapes& operator|=(Shapes other) {
         bits_ |= other.bits_;
         return *this;
@@ -188,7 +188,7 @@ public:
     friend constexpr bool operator==(Shapes, Shapes) = default;
 
 private:
-    static constexpr unsigned placed_bit = 1U << 31;
+    static constexpr unsigned transform_bit = 1U << 31;
     unsigned bits_ = 0;
 };
 

@@ -25,7 +25,7 @@ inline constexpr bool under_sanitizer = false;
 #endif
 
 struct Outcome {
-    int code = 0;  ///< the exit code, or 128 + the signal
+    int code = 0;  ///< the exit status, or 128 + the signal
     std::string out, err;
 };
 
@@ -35,7 +35,7 @@ Outcome run(const std::string& arguments, const std::filesystem::path& folder = 
 /// The same, which succeeds.
 Outcome must(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
-/// Arguments that are refused, a part of the message, and the exit code.
+/// Arguments that are refused, a part of the message, and the exit status.
 struct Refused {
     std::string words, says;
     int code = 2;

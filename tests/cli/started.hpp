@@ -25,7 +25,7 @@ public:
     void send(int signal) const { ::kill(pid_, signal); }
     /// Waits until `is` holds, checking every half millisecond; false if the run ended before.
     bool wait_until(const std::function<bool()>& is);
-    /// Its exit code, or 128 + the signal that ended it.
+    /// Its exit status, or 128 + the signal that ended it.
     int wait();
 
 private:

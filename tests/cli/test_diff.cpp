@@ -1,4 +1,4 @@
-// `lostbits diff` from the outside: which differences count, the output, and the exit code.
+// `lostbits diff` from the outside: which differences count, the output, and the exit status.
 #include <cstdlib>
 
 #include "catch.hpp"
@@ -43,7 +43,7 @@ void write_parts(const fs::path& path, const std::vector<std::pair<std::string, 
 
 }  // namespace
 
-TEST_CASE("diff: equal results are reported as equal, with exit code 0") {
+TEST_CASE("diff: equal results are reported as equal, with exit status 0") {
     const auto r = diff("name,x\n\"a\",1e3\n", "name,x\r\na,1000");
     CHECK(r.code == 0);
     CHECK(r.out == "same\n");
@@ -53,7 +53,7 @@ TEST_CASE("diff: equal results are reported as equal, with exit code 0") {
     CHECK(quiet.out.empty());
 }
 
-TEST_CASE("diff: a difference has its line, column and size, with exit code 1") {
+TEST_CASE("diff: a difference has its line, column and size, with exit status 1") {
     const auto r = diff("form,ulp\npress,2\nunified,nan\n", "form,ulp\npress,2.5\nunified,1\n");
     CHECK(r.code == 1);
     CHECK(r.out ==

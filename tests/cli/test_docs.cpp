@@ -38,7 +38,7 @@ std::vector<Block> blocks_of(const std::string& page) { return blocks_in(content
 struct Command {
     std::string where, arguments;
     std::vector<std::string> shown;  ///< the output that the page shows, `...` for any lines; none: it shows nothing
-    int code = 0;                    ///< the exit code that the page promises: `# exit N` at the end of the line
+    int code = 0;                    ///< the exit status that the page promises: `# exit N` at the end of the line
     bool compiles = false;           ///< a call of the compiler, which makes a library from a page's own source
 };
 

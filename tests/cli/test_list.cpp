@@ -66,7 +66,7 @@ TEST_CASE("list shows the metrics of labels, and every form has labels to map") 
 
 TEST_CASE("list formats and list scenes show names that map accepts") {
     const auto formats = nlohmann::json::parse(run("list formats --json").out);
-    CHECK(formats.size() == std::size(format_help));
+    CHECK(formats.size() == std::size(format_descriptions));
     std::set<std::string> listed, there;
     for (const auto& scene : nlohmann::json::parse(run("list scenes --json").out)) listed.insert(scene.at("name"));
     for (const auto& entry : test::fs::directory_iterator(LOSTBITS_DATA_DIR "/scenes"))

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
+#include "output/map/bits_needed_files.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/needed_files.hpp"
 #include "pictures.hpp"
 #include "program.hpp"
 

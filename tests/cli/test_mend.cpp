@@ -123,7 +123,7 @@ TEST_CASE("a file name that is a keyword of the language is changed", "[mend]") 
     }
 }
 
-TEST_CASE("under a matrix a mended form is a function that takes the matrix, and its cost is measured", "[mend]") {
+TEST_CASE("with a transform a mended form is a function that takes the matrix, and its cost is measured", "[mend]") {
     const Scratch scratch;
     const std::string words = "mend instance-far.sphere --size 24x24 -i sphere.unified@plain --bits 18 ";
     const auto r = must(words + "--emit placed.hpp -o out" + (is_long() ? " --price" : ""), scratch.path());

@@ -96,7 +96,7 @@ const std::map<std::string, std::string> others{
     {"merge", "see test_shards.cpp"}, {"plugin", "see tests/external"},   {"trade", "measures time"},
 };
 
-/// Every file that a command leaves, by name, its output, and its exit code.
+/// Every file that a command leaves, by name, its output, and its exit status.
 std::map<std::string, std::string> made_by(const std::string& words) {
     const Scratch scratch;
     const std::pair<const char*, std::string> files[] = {
@@ -109,7 +109,7 @@ std::map<std::string, std::string> made_by(const std::string& words) {
     const auto r = run(words, scratch.path());
     INFO(words << ": " << r.err);
     REQUIRE(r.code <= 1);
-    std::map<std::string, std::string> made{{"what it prints", r.out}, {"exit code", std::to_string(r.code)}};
+    std::map<std::string, std::string> made{{"what it prints", r.out}, {"exit status", std::to_string(r.code)}};
     for (const auto& name : scratch.files()) {
         if (name.starts_with("out/")) made[name] = contents(scratch.path() / name);
     }

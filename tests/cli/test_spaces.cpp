@@ -1,5 +1,5 @@
-// Primitives under matrices and forms behind boxes from the command line: the transform methods, measurements with
-// them, and messages on wrong input.
+// Transformed primitives and forms behind boxes from the command line: the transform methods, measurements with them,
+// and messages on wrong input.
 #include <string>
 
 #include <map>
@@ -36,7 +36,7 @@ TEST_CASE("12 km from the origin a map shows what each transform method loses an
     }
 }
 
-TEST_CASE("a form without a transform uses the plain one, and a scene of several shapes uses sets") {
+TEST_CASE("a form without a transform method uses the plain one, and a scene of several shapes uses sets") {
     const Scratch folder;
     must("map instance-far.box -i box.signs -f f32 --size 8x8" + into(folder, "out/one"));
     CHECK(read_csv(folder / "out/one/instance-far.box/summary.csv")[0].at("form") == "box.signs@plain");
@@ -66,7 +66,7 @@ TEST_CASE("explain follows the transform, and a matrix can be given with the num
     CHECK(has(run("explain instance-far.sphere --pixel 96,96 -i sphere.unified -f f32").out, "@relative"));
 }
 
-TEST_CASE("a glob of steps covers every step, and a glob of forms with a transform leaves out marches") {
+TEST_CASE("a glob of steps covers every step, and a glob of forms with a transform method leaves out marches") {
     const Scratch folder;
     must("map instance-far.sphere -i '*@relative' -f f32 --size 6x6 --metric 'step:*'" + into(folder));
     const auto rows = read_csv(folder / "out/instance-far.sphere/summary.csv");
@@ -144,7 +144,7 @@ TEST_CASE("trade reports the cost of a transform, and why there is none for a pr
     must("trade instance-far.sphere --size 8x8 -i 'sphere.unified@*' -f f32 --quick" + out);
     const auto rows = read_csv(folder / "out/instance-far.sphere/pareto.csv");
     CHECK(rows.size() == intersect::transform::transform_methods().size());
-    CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "not placed by a matrix"));
+    CHECK(has(run("trade --shape sphere -i sphere.unified@plain -f f32 --quick" + out).err, "has no transform"));
 }
 
 TEST_CASE("a map of a form behind boxes shows the level that loses a hit") {
@@ -174,8 +174,8 @@ TEST_CASE("two levels of boxes are named from inside to outside, and can be expl
     CHECK(rows[0].at("form") == name);
     const auto explained = must("explain behind-boxes.instance --pixel 3,6 --size 12x12 -i '" + name + "'");
     CHECK(has(explained.out, name));
-    // Under a matrix, a form behind a box without a transform uses the default one, with its box in the space of the
-    // primitive.
+    // With a transform, a form behind a box without a transform method uses the default one, with its box in the space
+    // of the primitive.
     must("map behind-boxes.instance -i 'box.filtered^box.signs' -f f32 --size 8x8" + into(folder, "out/one"));
     CHECK(read_csv(folder / "out/one/behind-boxes.instance/summary.csv")[0].at("form") ==
           "box.filtered^box.signs@plain");

@@ -26,7 +26,7 @@ struct Given {
           primitive(shape),
           range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
         for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = p.primitive[k];
-        if (p.is_placed) primitive.placed = placement_of(p.matrix, p.is_inverse);
+        if (p.has_transform) primitive.transform = transform_of(p.matrix, p.is_inverse);
     }
 };
 
@@ -74,8 +74,8 @@ struct Columns {
         columns.tmin = put(tmin, [](const Problem& p) { return p.tmin; });
         columns.tmax = put(tmax, [](const Problem& p) { return p.tmax; });
         const Problem& first = problems.front();
-        if (!first.is_placed) return;
-        columns.matrix = {true, first.is_inverse, placement_of(first.matrix).orientation};
+        if (!first.has_transform) return;
+        columns.matrix = {true, first.is_inverse, transform_of(first.matrix).orientation};
         for (std::size_t k = 0; k < first.matrix.size(); ++k)
             columns.primitive[max_shape_numbers + k] =
                 put(primitive[max_shape_numbers + k], [k](const Problem& p) { return p.matrix[k]; });
@@ -135,7 +135,7 @@ void ask_interface(std::string_view shape, std::span<const Problem> problems, st
     rays.shape = name.c_str();
     rays.primitives = column(p.primitive.data(), most_primitive);
     rays.paired = 1;
-    if (p.is_placed) rays.matrix = column(p.matrix.data(), p.matrix.size());
+    if (p.has_transform) rays.matrix = column(p.matrix.data(), p.matrix.size());
     rays.format = "f64";
     lostbits_run run{};
     run.threads = 1;

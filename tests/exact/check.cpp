@@ -110,7 +110,7 @@ std::string paste(const Shaped& shape, const Problem& p, const Answer& a) {
     for (const double x : p.ray) add(" ", x);
     text += ", solid";
     for (const double x : p.primitive) add(" ", x);
-    if (p.is_placed) {
+    if (p.has_transform) {
         text += p.is_inverse ? ", under the inverse" : ", under";
         for (const double x : p.matrix) add(" ", x);
     }

@@ -1,4 +1,4 @@
-// Problems for comparisons: random ones, and ones in which something is exactly equal; both also under matrices.
+// Problems for comparisons: random ones, and ones in which something is exactly equal; both also with transforms.
 #pragma once
 
 #include <cstdint>
@@ -57,13 +57,13 @@ struct Matrices {
     int orientation = 1;      ///< the sign of their determinants
 };
 
-/// Puts each primitive under a matrix, moves its ray accordingly, and rounds both to the format. The matrices have
-/// random numbers, or rows that are dependent except for 10⁻¹² of them, or they stretch the axes by up to 2^20 and
-/// 2^-20, or move 10⁶ away.
+/// Gives each primitive a transform, moves its ray accordingly, and rounds both to the format. The matrices have random
+/// numbers, or rows that are dependent except for 10⁻¹² of them, or they stretch the axes by up to 2^20 and 2^-20, or
+/// move 10⁶ away.
 void place_at_random(bool floats, const Matrices& all, Chance& chance, std::vector<Problem>& problems);
 
 /// Uses matrices of small whole numbers and powers of two with inverses of the same kind: a ray that touches, runs
-/// along a surface or begins on it still does so under the matrix.
+/// along a surface or begins on it still does so with the transform.
 void place_as_made(bool floats, const Matrices& all, Chance& chance, std::vector<Problem>& problems);
 
 }  // namespace lostbits::exact

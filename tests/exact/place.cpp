@@ -85,15 +85,15 @@ void turn(Matrix& m, int orientation) {
 
 /// True if matrix and ray are numbers, the ray has a direction, and the matrix is of the kind.
 template <class S>
-bool is_placed(const Problem& p, int orientation) {
+bool has_valid_transform(const Problem& p, int orientation) {
     const auto is_number = [](double x) { return std::isfinite(static_cast<S>(x)); };
     return std::ranges::all_of(p.matrix, is_number) && std::ranges::all_of(p.ray, is_number) &&
            !(p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0) && orientation_of(p.matrix) == orientation;
 }
 
-/// The problem under the matrix, with its ray transformed to the world.
+/// The problem with the transform, with its ray transformed to the world.
 template <class S>
-Problem placed(Problem p, Matrix m, bool is_inverse) {
+Problem transformed(Problem p, Matrix m, bool is_inverse) {
     for (double& x : m) x = stored<S>(x);
     const Triple shift{at(m, 0, 3), at(m, 1, 3), at(m, 2, 3)};
     Triple o{p.ray[0], p.ray[1], p.ray[2]}, d{p.ray[3], p.ray[4], p.ray[5]};
@@ -106,7 +106,7 @@ Problem placed(Problem p, Matrix m, bool is_inverse) {
         for (std::size_t i = 0; i < 3; ++i) o[i] += shift[i];
     }
     for (std::size_t i = 0; i < 3; ++i) p.ray[i] = stored<S>(o[i]), p.ray[i + 3] = stored<S>(d[i]);
-    p.matrix = m, p.is_placed = true, p.is_inverse = is_inverse;
+    p.matrix = m, p.has_transform = true, p.is_inverse = is_inverse;
     return p;
 }
 
@@ -115,11 +115,11 @@ Problem placed(Problem p, Matrix m, bool is_inverse) {
 template <class S, class Draw>
 void place(const Matrices& all, std::vector<Problem>& problems, const Draw& draw) {
     for (Problem& p : problems) {
-        for (int tries = 0; !p.is_placed; ++tries) {
+        for (int tries = 0; !p.has_transform; ++tries) {
             Matrix m = tries < 8 ? draw() : Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
             turn(m, all.orientation);
-            const Problem there = placed<S>(p, m, all.is_inverse);
-            if (is_placed<S>(there, all.orientation)) p = there;
+            const Problem there = transformed<S>(p, m, all.is_inverse);
+            if (has_valid_transform<S>(there, all.orientation)) p = there;
         }
     }
 }

@@ -18,7 +18,7 @@ struct Problem {
     double tmin = 0, tmax = INFINITY;
     bool open_tmin = false, open_tmax = false;
     std::array<double, 12> matrix{};  ///< [A τ], row by row, under which the primitive stands, if it does
-    bool is_placed = false, is_inverse = false;
+    bool has_transform = false, is_inverse = false;
 };
 
 template <class E>
@@ -48,7 +48,7 @@ struct Asked {
           counted{place(E(p.tmin)), {}, p.open_tmin, p.open_tmax} {
         for (std::size_t k = 0; k < most_primitive; ++k) n[k] = E(p.primitive[k]);
         if (p.tmax < INFINITY) counted.to = place(E(p.tmax));
-        if (p.is_placed) enter(p);
+        if (p.has_transform) enter(p);
     }
     [[nodiscard]] Vector<E> point(std::size_t k) const { return {n[k], n[k + 1], n[k + 2]}; }
 

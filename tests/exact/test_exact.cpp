@@ -1,6 +1,6 @@
 // Truth of every shape, compared with an answer that shares nothing with it: its own polynomials, its own numbers, and
 // integers of GMP where those do not decide. LOSTBITS_EXACT_RAYS=1000000 sets the number of random rays; a tenth as
-// many are constructed. `./run test --long` tries 10^8 for each shape, and 10^7 under matrices (CMakeLists.txt).
+// many are constructed. `./run test --long` tries 10^8 for each shape, and 10^7 with transforms (CMakeLists.txt).
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -54,9 +54,9 @@ Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::in
     return tally;
 }
 
-/// Draws problems and places them under matrices of every kind in turn, or of every kind but inverses.
+/// Draws problems and gives them transforms of every kind in turn, or of every kind but inverses.
 template <class Draw, class Place>
-auto placed(const Draw& draw, const Place& place, bool inverses = true) {
+auto transformed(const Draw& draw, const Place& place, bool inverses = true) {
     return [draw, place, inverses, drawn = 0](const Shaped& shape, bool floats, Ends ends, Chance& chance,
                                               std::vector<Problem>& problems) mutable {
         draw(shape, floats, ends, chance, problems);
@@ -88,9 +88,9 @@ void hold(const Shaped& shape, std::size_t rays, const Random& draw_random, cons
 
 void hold(const Shaped& shape) { hold(shape, rays_or(40'000), draw_random, draw_made, draw_random); }
 
-void hold_placed(const Shaped& shape) {
-    hold(shape, rays_or(12'000), placed(draw_random, place_at_random), placed(draw_made, place_as_made),
-         placed(draw_random, place_at_random, false));
+void hold_transformed(const Shaped& shape) {
+    hold(shape, rays_or(12'000), transformed(draw_random, place_at_random), transformed(draw_made, place_as_made),
+         transformed(draw_random, place_at_random, false));
 }
 
 }  // namespace
@@ -117,17 +117,17 @@ TEST_CASE("exact: the disc", "[exact]") { hold(shapes[8]); }
 TEST_CASE("exact: the plane", "[exact]") { hold(shapes[9]); }
 TEST_CASE("exact: the torus", "[exact]") { hold(shapes[10]); }
 
-TEST_CASE("exact: the sphere under matrices", "[exact]") { hold_placed(shapes[0]); }
-TEST_CASE("exact: the box under matrices", "[exact]") { hold_placed(shapes[1]); }
-TEST_CASE("exact: the triangle under matrices", "[exact]") { hold_placed(shapes[2]); }
-TEST_CASE("exact: the ellipsoid under matrices", "[exact]") { hold_placed(shapes[3]); }
-TEST_CASE("exact: the cylinder under matrices", "[exact]") { hold_placed(shapes[4]); }
-TEST_CASE("exact: the capsule under matrices", "[exact]") { hold_placed(shapes[5]); }
-TEST_CASE("exact: the tube under matrices", "[exact]") { hold_placed(shapes[6]); }
-TEST_CASE("exact: the cone under matrices", "[exact]") { hold_placed(shapes[7]); }
-TEST_CASE("exact: the disc under matrices", "[exact]") { hold_placed(shapes[8]); }
-TEST_CASE("exact: the plane under matrices", "[exact]") { hold_placed(shapes[9]); }
-TEST_CASE("exact: the torus under matrices", "[exact]") { hold_placed(shapes[10]); }
+TEST_CASE("exact: the transformed sphere", "[exact]") { hold_transformed(shapes[0]); }
+TEST_CASE("exact: the transformed box", "[exact]") { hold_transformed(shapes[1]); }
+TEST_CASE("exact: the transformed triangle", "[exact]") { hold_transformed(shapes[2]); }
+TEST_CASE("exact: the transformed ellipsoid", "[exact]") { hold_transformed(shapes[3]); }
+TEST_CASE("exact: the transformed cylinder", "[exact]") { hold_transformed(shapes[4]); }
+TEST_CASE("exact: the transformed capsule", "[exact]") { hold_transformed(shapes[5]); }
+TEST_CASE("exact: the transformed tube", "[exact]") { hold_transformed(shapes[6]); }
+TEST_CASE("exact: the transformed cone", "[exact]") { hold_transformed(shapes[7]); }
+TEST_CASE("exact: the transformed disc", "[exact]") { hold_transformed(shapes[8]); }
+TEST_CASE("exact: the transformed plane", "[exact]") { hold_transformed(shapes[9]); }
+TEST_CASE("exact: the transformed torus", "[exact]") { hold_transformed(shapes[10]); }
 
 TEST_CASE("exact: nothing is hit under a singular matrix", "[exact]") {
     Chance chance(6);

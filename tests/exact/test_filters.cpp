@@ -23,7 +23,7 @@ using namespace lostbits::exact;
 
 namespace {
 
-using intersect::FilterArithmetic, intersect::simd::Isa, intersect::table::Intersector, intersect::table::Kernel;
+using intersect::DecidingArithmetic, intersect::simd::Isa, intersect::table::Intersector, intersect::table::Kernel;
 
 constexpr std::size_t batch = 2000;
 std::size_t rays_of_each() { return rays_or(4'000); }
@@ -34,7 +34,7 @@ template <class Visit>
 void for_each_filter(const Visit& visit) {
     std::size_t filters = 0;
     for (const Intersector& form : intersect::table::catalogue())
-        if (form.filter_arithmetic)
+        if (form.deciding_arithmetic)
             visit(form, *std::ranges::find(shapes, name_of(form.shape), &Shaped::name)), ++filters;
     CHECK(filters == shapes.size());
 }
@@ -102,7 +102,7 @@ struct ToCheck {
 /// Alone (`Isa::scalar`) or in packs.
 template <class F>
 Kernel<F> kernel_of(const Intersector& form, Isa isa) {
-    const intersect::simd::PackedRow row = intersect::simd::packed_kernels(form, isa);
+    const intersect::simd::PackedFormKernels row = intersect::simd::packed_kernels(form, isa);
     if constexpr (sizeof(F) == 4) return row.f32;
     else return row.f64;
 }
@@ -112,7 +112,7 @@ struct Tally {
     std::array<std::size_t, 4> ways{};  ///< of the first batch, which is asked again for it
     std::string first;
 
-    [[nodiscard]] bool go_some(FilterArithmetic way, std::size_t of_a_thousand) const {
+    [[nodiscard]] bool go_some(DecidingArithmetic way, std::size_t of_a_thousand) const {
         return 1000 * ways[static_cast<std::size_t>(way)] >= of_a_thousand * first_batch;
     }
 };
@@ -123,7 +123,7 @@ void add_ways(const Intersector& form, std::span<const Problem> problems, Tally&
     for (const Problem& p : problems) {
         const Ray<double> ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}};
         ++tally.ways[static_cast<std::size_t>(
-            form.filter_arithmetic(format, ray, primitive_of<double>(form, p), p.tmax))];
+            form.deciding_arithmetic(format, ray, primitive_of<double>(form, p), p.tmax))];
     }
     tally.first_batch = problems.size();
 }
@@ -223,9 +223,9 @@ void hold(bool made) {
         const auto* const row = std::ranges::find(least, shape.name, &Shares::shape);
         REQUIRE(row != least.end());
         CHECK(1000 * tally.hits >= (made ? row->hits : row->random_hits) * tally.asked);
-        CHECK(tally.go_some(FilterArithmetic::own, made ? row->own : row->random_own));
-        CHECK((!made || tally.go_some(FilterArithmetic::two_words, row->two_words)));
-        CHECK((!made || sizeof(F) == 4 || tally.go_some(FilterArithmetic::exact, row->exact)));
+        CHECK(tally.go_some(DecidingArithmetic::own, made ? row->own : row->random_own));
+        CHECK((!made || tally.go_some(DecidingArithmetic::two_words, row->two_words)));
+        CHECK((!made || sizeof(F) == 4 || tally.go_some(DecidingArithmetic::exact, row->exact)));
         if (are_rays_asked()) WARN(counts);
     });
 }

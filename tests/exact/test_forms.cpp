@@ -136,7 +136,7 @@ Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem&
         return found;
     }
     const Interval::Precision precision(400);
-    const auto primitive = transformed(primitive_of(shape, p), [](double x) { return Interval(x); });
+    const auto primitive = convert_numbers(primitive_of(shape, p), [](double x) { return Interval(x); });
     return unrounded_in<Interval>(p, made_unit,
                                   [&](const Ray<Interval>& ray) { return form.interval(ray, primitive); });
 }
@@ -228,7 +228,7 @@ struct Enclosures {
         const std::string_view form = row.info->name.substr(row.info->name.find('.') + 1);
         for (const char* const pads : {"pbrt_interval", "pbrt_padded", "embree_robust", "embree_padded", "bvh_robust"})
             if (form == pads) return;
-        if (!row.native64 || (row.filter_arithmetic && row.shape != Shape::box)) return;
+        if (!row.native64 || (row.deciding_arithmetic && row.shape != Shape::box)) return;
         Hit<double> want{};
         std::uint8_t hit;
         const auto column = [&p](std::size_t k) { return std::span<const double>(&p.ray[k], 1); };
@@ -246,7 +246,7 @@ struct Enclosures {
         }
         const Unrounded want = unrounded(row, shape, p, false);
         const auto target = [primitive = primitive_of(shape, p)]<class E>(const E&) {
-            return transformed(primitive, [](double x) { return E(x); });
+            return convert_numbers(primitive, [](double x) { return E(x); });
         };
         std::optional<bool> verdict;
         hold(row.ball(ray_of<Ball>(p), target(Ball())), want, verdict);

@@ -144,7 +144,7 @@ TEST_CASE("half an ulp in each number moves t of a torus by no more than its rea
             for (int k = 0; k < 4; ++k) {
                 Problem q = p;
                 for (double& x : q.ray) x = moved(x);
-                const Primitive<double> other = transformed(primitive, moved);
+                const Primitive<double> other = convert_numbers(primitive, moved);
                 // Another root is another answer.
                 if (roots_of(ray_of(q), other) != roots) continue;
                 const Truth there = find_truth(ray_of(q), other);

@@ -109,7 +109,7 @@ TEST_CASE("suspicion: a factor is not guessed from a sum, from one answer or fro
     CHECK_FALSE(has(suspicion_text(with_false_hits), "units"));
 }
 
-TEST_CASE("suspicion: a dump whose rays all miss a large sphere is not explained by its radius", "[external]") {
+TEST_CASE("suspicion: a file of rays that all miss a large sphere is not explained by its radius", "[external]") {
     const Scratch folder;
     std::string rays = "ox,oy,oz,dx,dy,dz,hit,t\n";
     for (int i = 0; i < 39; ++i)

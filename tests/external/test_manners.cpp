@@ -121,7 +121,7 @@ TEST_CASE("manners: environment variables set by a library do not change where d
     });
 }
 
-TEST_CASE("manners: events after the results change neither them nor the exit code", "[external]") {
+TEST_CASE("manners: events after the results change neither them nor the exit status", "[external]") {
     in_every_way({"load crash at exit", "call crash at exit"}, [](const std::string&, const Way& way, const Ran& ran) {
         CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
         CHECK(ran.has_results);

@@ -127,7 +127,7 @@ TEST_CASE("plugin: other commands accept its forms too", "[external]") {
     must("check claims.toml" + with, folder.path());
 }
 
-TEST_CASE("plugin: every failure ends with a name, exit code 3 and no files", "[external]") {
+TEST_CASE("plugin: every failure ends with a name, exit status 3 and no files", "[external]") {
     struct Fault {
         const char *form, *says;
         bool isolated = true;  ///< an error with a name in a process of its own, too

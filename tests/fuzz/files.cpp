@@ -10,8 +10,8 @@
 #include "output/file/read_csv.hpp"
 #include "scene/check/claims_file.hpp"
 #include "scene/check/report_file.hpp"
-#include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/ray_file/ray_file.hpp"
 #include "scene/sweep/case_file.hpp"
 #include "scene/sweep/exhaustive_file.hpp"
 #include "scene/sweep/search_file.hpp"
@@ -124,8 +124,8 @@ void fuzz_rays(std::string_view bytes) {
     if (bytes.empty()) return;
     const unsigned kind = static_cast<unsigned char>(bytes.front());
     const std::filesystem::path path = file_of(bytes.substr(1));
-    using scene::dump::Container;
-    scene::dump::DumpOptions options;
+    using scene::ray_file::Container;
+    scene::ray_file::ReadOptions options;
     options.container = std::array{Container::csv, Container::npy, Container::raw}[kind % 3];
     const bool raw = options.container == Container::raw;
     if (raw || (kind & 64) != 0)
@@ -133,11 +133,11 @@ void fuzz_rays(std::string_view bytes) {
     if (!raw) options.columns = std::regex_replace(options.columns, std::regex(":\\w+"), "");
     if ((kind & 16) != 0) options.skip = kind >> 5;
     if ((kind & 32) != 0) options.primitive = Shape::sphere;
-    options.keep = (kind & 128) != 0;
+    options.keeps_own_columns = (kind & 128) != 0;
     answer_or_error([&] {
-        const auto dump = scene::dump::open_dump(path, options);
-        scene::dump::Records records;
-        while (dump->next(97, records)) static_cast<void>(dump->decode(records));
+        const auto ray_file = scene::ray_file::open_ray_file(path, options);
+        scene::ray_file::Records records;
+        while (ray_file->next(97, records)) static_cast<void>(ray_file->decode(records));
     });
 }
 

@@ -40,14 +40,14 @@ inline std::string take_line(std::string_view& bytes) {
     return line;
 }
 
-/// Bad input must end in an answer, or in an error with a message and the exit code of bad input. Anything else,
-/// including std::bad_alloc and Exit::internal, is left to the caller.
+/// Bad input must end in an answer, or in an error with a message and the exit status of bad input. Anything else,
+/// including std::bad_alloc and ExitStatus::internal, is left to the caller.
 template <class Ask>
 void answer_or_error(const Ask& ask) {
     try {
         ask();
     } catch (const Error& error) {
-        if (error.code() == Exit::internal || std::string_view(error.what()).empty())
+        if (error.status() == ExitStatus::internal || std::string_view(error.what()).empty())
             throw std::logic_error("an error that no input should cause: " + std::string(error.what()));
     }
 }

@@ -152,7 +152,7 @@ HostileRay at_any_scale(HostileRay x, Random& random) {
         x.ray.origin[k] = scaled(x.ray.origin[k], of_lengths);
         x.ray.direction[k] = scaled(x.ray.direction[k], of_direction);
     }
-    x.primitive = transformed(x.primitive, [&](double v) { return scaled(v, of_lengths); });
+    x.primitive = convert_numbers(x.primitive, [&](double v) { return scaled(v, of_lengths); });
     for_each_key(x.primitive.shape, [&x](const Key& key, std::size_t first) {
         for (std::size_t k = first; key.limit == Key::Limit::positive && k < first + key.count(); ++k)
             if (x.primitive.numbers[k] == 0) x.primitive.numbers[k] = std::numeric_limits<S>::denorm_min();

@@ -15,7 +15,7 @@ namespace {
 /// The scene in doubles, which hold the numbers of every format.
 template <class S>
 Scene<double> lifted(const Scene<S>& scene) {
-    Scene<double> wide{transformed(scene.primitive, [](S x) { return static_cast<double>(x); }), {}, {}};
+    Scene<double> wide{convert_numbers(scene.primitive, [](S x) { return static_cast<double>(x); }), {}, {}};
     for (std::size_t c = 0; c < 6; ++c) wide.column[c].assign(scene.column[c].begin(), scene.column[c].end());
     wide.tmax.assign(scene.tmax.begin(), scene.tmax.end());
     return wide;

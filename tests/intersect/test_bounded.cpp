@@ -30,7 +30,7 @@ Hit<Interval> without_rounding(const Intersector& form, const HostileRay& x) {
     const Interval::Precision precision(700);
     const auto lift = [](double v) { return Interval(v); };
     const auto vec = [&](const Vec<double>& v) { return Vec<Interval>(lift(v.x), lift(v.y), lift(v.z)); };
-    const Primitive<Interval> primitive = transformed(x.primitive, lift);
+    const Primitive<Interval> primitive = convert_numbers(x.primitive, lift);
     return form.interval(Ray<Interval>{vec(x.ray.origin), vec(x.ray.direction)},
                          intersect::Target<Interval>(primitive));
 }
@@ -47,7 +47,7 @@ void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.primitive), HUGE_VAL);
     ++tally.asked;
     const auto stored = [](double v) { return static_cast<S>(v); };
-    const Primitive<S> primitive = transformed(x.primitive, stored);
+    const Primitive<S> primitive = convert_numbers(x.primitive, stored);
     const S o[6] = {stored(x.ray.origin.x),    stored(x.ray.origin.y),    stored(x.ray.origin.z),
                     stored(x.ray.direction.x), stored(x.ray.direction.y), stored(x.ray.direction.z)};
     S t, near, far;
@@ -85,8 +85,8 @@ void check_form(const Intersector& form, std::uint64_t rays, std::uint64_t seed,
             // Rays that are hostile to a sphere are hostile to a primitive around the same centre.
             if (!as_box && form.shape != Shape::sphere)
                 x.primitive =
-                    transformed(primitive_around<double>(form.shape, x.primitive.point(0), x.primitive.numbers[3]),
-                                [](double v) { return static_cast<double>(static_cast<S>(v)); });
+                    convert_numbers(primitive_around<double>(form.shape, x.primitive.point(0), x.primitive.numbers[3]),
+                                    [](double v) { return static_cast<double>(static_cast<S>(v)); });
             if (any_scale) x = at_any_scale<S>(x, scales);
             if (form.info->direction == intersect::Direction::unit)
                 x.ray.direction = measure::truth::unit_direction(x.ray.direction, sizeof(S) == 4 ? binary32 : binary64);

@@ -16,7 +16,7 @@
 namespace lostbits::test::test_filtered_tapes {
 namespace {
 
-using intersect::FilterArithmetic;
+using intersect::DecidingArithmetic;
 using intersect::table::Intersector;
 
 struct Tally {
@@ -40,14 +40,14 @@ bool asks_steps(const Intersector& form) {
 HostileRay in_format(const HostileRay& x, const FloatFormat& format) {
     const auto rounded = [&](double v) { return rounding::to_format(v, 0, format); };
     const auto vec = [&](const Vec<double>& v) { return Vec<double>(rounded(v.x), rounded(v.y), rounded(v.z)); };
-    return {{vec(x.ray.origin), vec(x.ray.direction)}, transformed(x.primitive, rounded), rounded(x.tmax)};
+    return {{vec(x.ray.origin), vec(x.ray.direction)}, convert_numbers(x.primitive, rounded), rounded(x.tmax)};
 }
 
 /// Without rounding, the exact step gives its own decision, and a t at most 16u from its own.
 void check_exact_step(const Tape& tape, const Format& format, bool hit, Tally& tally) {
     const measure::attribution::Attribution found = measure::attribution::attribute(tape, {.full = true});
     ++tally.shared_out;
-    tally.turned += found.exact_hit != hit;
+    tally.turned += found.is_exact_hit != hit;
     if (found.culprit != no_node) tally.of_constants += tape[found.culprit].op == TapeOp::constant;
     if (!hit) return;
     ++tally.hits;
@@ -73,8 +73,8 @@ void check_ray(const Intersector& form, const Format& format, const HostileRay& 
     ++tally.asked;
     tally.other_bits += (tape[hit].value != 0) != want.hit || !same_number(tape[t].value, want.t) ||
                         !same_number(tape[near].value, want.near) || !same_number(tape[far].value, want.far);
-    const FilterArithmetic way = form.filter_arithmetic(format, s.ray, s.target(form), s.tmax);
-    const bool exact = way == FilterArithmetic::exact || (way != FilterArithmetic::own && !asks_steps(form));
+    const DecidingArithmetic way = form.deciding_arithmetic(format, s.ray, s.target(form), s.tmax);
+    const bool exact = way == DecidingArithmetic::exact || (way != DecidingArithmetic::own && !asks_steps(form));
     tally.exact += exact;
     tally.other_way += exact == tape.calls.empty();
     if (exact && shares.take(want.hit)) check_exact_step(tape, format, want.hit, tally);
@@ -119,7 +119,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
 TEST_CASE("the tape of a filtered form records what ran, with its exact step as one operation", "[attribution]") {
     std::size_t forms = 0;
     for (const Intersector& form : intersect::table::catalogue()) {
-        if (!form.filter_arithmetic) continue;
+        if (!form.deciding_arithmetic) continue;
         ++forms;
         for (const bool any_scale : {false, true}) {
             // Rays that a span leaves open need intervals of many bits, which for a torus take a hundred times as long.

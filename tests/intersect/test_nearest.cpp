@@ -66,9 +66,9 @@ void check_nearest_point(const S<Real>& s, const Vec<double>& q) {
 /// A point put onto the surface in float lies within its bound; returns the fraction of the bound that it uses.
 template <template <class> class S>
 double share_of_bound(const Primitive<double>& primitive, const Vec<double>& at) {
-    const Primitive<float> rounded = transformed(primitive, [](double x) { return static_cast<float>(x); });
+    const Primitive<float> rounded = convert_numbers(primitive, [](double x) { return static_cast<float>(x); });
     const S<float> s = rounded.template as<S>();
-    const S<Real> same = transformed(rounded, [](float x) { return Real(x); }).template as<S>();
+    const S<Real> same = convert_numbers(rounded, [](float x) { return Real(x); }).template as<S>();
     // A point near the surface, as hits are, is put back after rounding moved it.
     const Vec<Real> p = lifted<Real>(at), on = same.project_onto_surface(Ray<Real>{p, p}, p);
     const Vec<float> near(static_cast<float>(on.x), static_cast<float>(on.y), static_cast<float>(on.z));
@@ -93,7 +93,7 @@ double largest_share_of_bound(const ShapeRow& row, Seeded& rng) {
         }
         const double x = rng.unit(), y = rng.unit(), z = rng.unit();
         const Vec<double> at = primitive.template as<S>().point_at({x, y, z});
-        if (!broken_limit(transformed(primitive, [](double v) { return static_cast<float>(v); })))
+        if (!broken_limit(convert_numbers(primitive, [](double v) { return static_cast<float>(v); })))
             largest = std::max(largest, share_of_bound<S>(primitive, at));
     }
     return largest;
@@ -111,7 +111,7 @@ TEST_CASE("distance, normal, nearest point and bounded point of a shape agree wi
         for (int i = 0; i < 500; ++i) {
             const Primitive<double> primitive = random_primitive(row, rng);
             const S<double> plain = primitive.as<S>();
-            const S<Real> s = transformed(primitive, [](double x) { return Real(x); }).template as<S>();
+            const S<Real> s = convert_numbers(primitive, [](double x) { return Real(x); }).template as<S>();
             const Vec<double> q = rng.vec(-1.5, 1.5);
             const Real d = s.distance(lifted<Real>(q));
             if (!is_apex(plain, plain.project_onto_surface({}, q))) check_nearest_point(s, q);

@@ -235,7 +235,7 @@ TEST_CASE("the span of a shape over balls contains its span over intervals") {
             if (ray.direction == Vec<double>(0, 0, 0)) continue;
             const auto ends_in = [&]<class E>() {
                 const auto vec = [](const Vec<double>& v) { return Vec<E>(E(v.x), E(v.y), E(v.z)); };
-                return visit(transformed(primitive, [](double x) { return E(x); }), [&](const auto& shape) {
+                return visit(convert_numbers(primitive, [](double x) { return E(x); }), [&](const auto& shape) {
                     return ends_of(shape.span(Ray<E>{vec(ray.origin), vec(ray.direction)}));
                 });
             };

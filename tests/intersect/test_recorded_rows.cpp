@@ -47,10 +47,10 @@ TEST_CASE("every form works over operation counters and balls, recorded or compi
         primitive.numbers.fill(0.5);
         const auto as_float = [](double x) { return static_cast<float>(x); };
         const Ray<float> narrow{{3, 2, 1}, {-1, -0.5F, -0.25F}};
-        const OperationCounts counts = row.count(narrow, transformed(primitive, as_float), HUGE_VALF);
+        const OperationCounts counts = row.count(narrow, convert_numbers(primitive, as_float), HUGE_VALF);
         CHECK(counts[Operation::add] + counts[Operation::mul] + counts[Operation::fma] > 0);
         CHECK_NOTHROW(row.ball({Vec<Ball>(Ball(3), Ball(2), Ball(1)), Vec<Ball>(Ball(-1), Ball(-0.5), Ball(-0.25))},
-                               transformed(primitive, [](double x) { return Ball(x); })));
+                               convert_numbers(primitive, [](double x) { return Ball(x); })));
     }
 }
 

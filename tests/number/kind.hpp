@@ -152,7 +152,7 @@ struct Kind<Ball> {
         explicit Setting(Random&) {}
     };
     static Operand<Ball> one(Random& random) {
-        if (random.one_in(40)) return {Ball::anything(), Mpfr(draw_finite(random, binary64), 53)};
+        if (random.one_in(40)) return {Ball::all_reals(), Mpfr(draw_finite(random, binary64), 53)};
         if (random.one_in(40)) return {sqrt(Ball(-1)), Mpfr(std::nan(""), 53)};
         if (random.one_in(20)) return {Ball(0), Mpfr(0, 53)};
         const int reach = random.one_in(4) ? 1000 : random.one_in(3) ? 460 : 20;
@@ -198,7 +198,7 @@ struct Kind<Interval> {
     };
     static Operand<Interval> one(Random& random) {
         const Interval::Precision own(random.between(2, 200));
-        if (random.one_in(40)) return {Interval::anything(), Mpfr(draw_finite(random, binary64), 53)};
+        if (random.one_in(40)) return {Interval::all_reals(), Mpfr(draw_finite(random, binary64), 53)};
         if (random.one_in(40)) return {sqrt(Interval(-1)), Mpfr(std::nan(""), 53)};
         if (random.one_in(20)) return {Interval(0), Mpfr(0, 53)};
         const double a = draw_finite(random, binary64);

@@ -14,7 +14,7 @@
 
 namespace lostbits::test::test_multiple {
 
-using number::wide::Grid;
+using number::wide::UnitAndSize;
 using Number = number::wide::Multiple<double>;
 
 namespace {
@@ -29,7 +29,7 @@ struct Bits {
 /// Some numbers of one kind and their grid.
 struct Kind {
     std::array<double, 6> numbers;
-    Grid<double> grid;
+    UnitAndSize<double> grid;
 
     Kind(Random& random, const Bits& bits) {
         const int place = static_cast<int>(random.between(-150, 100));
@@ -37,7 +37,7 @@ struct Kind {
             const auto whole = static_cast<double>(random.between(1, (1L << bits.number) - 1));
             x = random.sign() * std::ldexp(whole, place - static_cast<int>(random.between(0, bits.spread)));
         }
-        grid = std::apply([&](const auto&... x) { return Grid<double>::of(bits.grid, x...); }, numbers);
+        grid = std::apply([&](const auto&... x) { return UnitAndSize<double>::of(bits.grid, x...); }, numbers);
     }
     [[nodiscard]] Number at(std::size_t k) const { return {numbers[k], grid}; }
     [[nodiscard]] Interval exact(std::size_t k) const { return Interval(numbers[k]); }
@@ -117,7 +117,7 @@ TEST_CASE("numbers that are not on a grid prove nothing", "[number][multiple]") 
         const auto less = x < Number(0), at_most = x <= Number(0);
         return !less.yes() && !less.no() && !at_most.yes() && !at_most.no();
     };
-    using G = Grid<double>;
+    using G = UnitAndSize<double>;
     for (const double x : {HUGE_VAL, -HUGE_VAL, none}) {
         const G grid = G::of(31, x, 1.0);
         CHECK(silent({x, grid}));

@@ -11,8 +11,8 @@ namespace test_batches {
 
 using namespace lostbits::intersect;
 using namespace lostbits::intersect::shader;
-using device::Buffer;
 using device::Device;
+using device::DeviceBuffer;
 using device::DeviceDescription;
 using device::DeviceLimits;
 
@@ -24,13 +24,14 @@ public:
     explicit Echo(DeviceLimits limits) : limits_(limits) {}
     [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
-    [[nodiscard]] std::unique_ptr<device::Program> compile_program(const std::string&, device::Language) override {
-        return std::make_unique<device::Program>();
+    [[nodiscard]] std::unique_ptr<device::DeviceProgram> compile_program(const std::string&,
+                                                                         device::Language) override {
+        return std::make_unique<device::DeviceProgram>();
     }
-    void run_program(device::Program&, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_program(device::DeviceProgram&, std::span<const DeviceBuffer> buffers, std::size_t groups) override {
         KernelHead head;
         std::memcpy(&head, buffers[BufferBinding::head].bytes.data(), sizeof head);
-        for (const Buffer& b : buffers) {
+        for (const DeviceBuffer& b : buffers) {
             REQUIRE_FALSE(b.bytes.empty());
             REQUIRE(b.bytes.size() <= limits_.buffer_bytes);
         }

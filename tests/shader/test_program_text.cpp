@@ -56,11 +56,11 @@ TEST_CASE("shader text: a file in float is converted to double and back", "[shad
     const std::string floats =
         "precision highp float;\n#define H 0.5f\nfloat f(vec3 a) { return a.x * 1e-3 + 2.0 + H; // 1.5\n}";
     const std::string doubles = "\n#define H 0.5LF\ndouble f(dvec3 a) { return a.x * 1e-3LF + 2.0LF + H; // 1.5\n}";
-    const std::string made = to_precision(floats, true);
+    const std::string made = convert_precision(floats, true);
     CHECK(made.substr(made.find("\n#define")) == doubles);
     CHECK_FALSE(has(made, "precision highp"));
-    CHECK(has(to_precision(doubles, false), "float f(vec3 a) { return a.x * 1e-3 + 2.0 + H; // 1.5"));
-    CHECK(to_precision("int a[3]; uint b = 0xEFu; x.f1;", true) == "int a[3]; uint b = 0xEFu; x.f1;");
+    CHECK(has(convert_precision(doubles, false), "float f(vec3 a) { return a.x * 1e-3 + 2.0 + H; // 1.5"));
+    CHECK(convert_precision("int a[3]; uint b = 0xEFu; x.f1;", true) == "int a[3]; uint b = 0xEFu; x.f1;");
 }
 
 TEST_CASE("shader text: compiler errors point to the user's lines for every compiler", "[shader]") {

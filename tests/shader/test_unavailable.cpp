@@ -1,4 +1,4 @@
-// Shaders that cannot run: clear words, the right exit code, and no half-written file.
+// Shaders that cannot run: clear words, the right exit status, and no half-written file.
 #include <initializer_list>
 #include <string>
 

@@ -5,7 +5,7 @@
 // - at 120 looks, a second apart, it had next to nothing to compute, nor waited for a processor or for a disk; or
 // - it used more than an hour of processor, as a loop without an end does.
 // The test gets a temporary folder of its own. What it leaves there is named and removed, and fails the test; processes
-// that it leaves behind are ended. The exit code, or the signal, is that of COMMAND.
+// that it leaves behind are ended. The exit status, or the signal, is that of COMMAND.
 #include <dirent.h>
 #include <signal.h>
 #include <sys/prctl.h>

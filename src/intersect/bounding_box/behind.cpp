@@ -39,7 +39,7 @@ BoxedFormParts parts_of_context(void* context) {
 template <class S>
 Primitive<S> box_around(const BoxedFormParts& form_parts, const Format& format, const Primitive<S>& primitive) {
     const BoundingBox<double> box = form_parts.method->compute_box(
-        format, transformed(primitive, [](const S& x) { return static_cast<double>(x); }));
+        format, convert_numbers(primitive, [](const S& x) { return static_cast<double>(x); }));
     return lift_primitive<S>(Primitive<double>(box));
 }
 
@@ -119,8 +119,8 @@ BoxedInputs record_boxed_inputs(const Format& format, const Ray<double>& ray, co
     inputs.box = inputs.form;
 
     for (const double x : primitive.shape_numbers()) inputs.form.push_back(input(x));
-    if (primitive.placed)
-        for (const double x : primitive.placed->matrix) inputs.form.push_back(input(x));
+    if (primitive.transform)
+        for (const double x : primitive.transform->matrix) inputs.form.push_back(input(x));
     inputs.form.push_back(input(tmax));
 
     for (const double x : box.shape_numbers()) inputs.box.push_back(input(x));
@@ -197,7 +197,7 @@ void fill_form(BoxedForms::ComposedForm& composed) {
     if (parts.form->interval) composed.intersector.interval = {interval, &composed};
     if (parts.form->record && parts.box->record) composed.intersector.record = {record, &composed};
     if (parts.form->record_all && parts.box->record_all) composed.intersector.record_all = {record_all, &composed};
-    composed.intersector.is_placed = parts.form->is_placed;
+    composed.intersector.has_transform_method = parts.form->has_transform_method;
 }
 
 /// Returns the reason why a form cannot have such a box; empty if it can.
@@ -207,7 +207,8 @@ std::string refusal(const Intersector& box, const Intersector& form) {
         return "a form that marches takes all primitives at once, so no single one has a bounding box; leave ^BOX out";
     if (!has_bounding_box(form.shape))
         return join_text(with_article(form.shape), " has no end, so it has no bounding box; leave ^BOX out");
-    if (box.is_set() || box.shape != bounding_box_shape || box.is_placed || find_boxed_parts(box).form != nullptr)
+    if (box.is_set() || box.shape != bounding_box_shape || box.has_transform_method ||
+        find_boxed_parts(box).form != nullptr)
         return join_text(box.info->name, " is not a form of boxes; write one after the ^, such as box.signs");
     if (box.info->direction == Direction::unit && form.info->direction != Direction::unit)
         return join_text(box.info->name, " needs unit directions, but ", form.info->name,
@@ -228,26 +229,27 @@ BoxedFormParts find_boxed_parts(const Intersector& form) { return parts_in(boxed
 bool has_box(const Intersector& form) {
     if (form.is_set()) return std::ranges::any_of(form.parts, [](const Intersector* part) { return has_box(*part); });
     if (find_boxed_parts(form).form != nullptr) return true;
-    const auto placed = transform::find_transformed_parts(form);
-    return placed.form != nullptr && has_box(*placed.form);
+    const auto transformed_parts = transform::find_transformed_parts(form);
+    return transformed_parts.form != nullptr && has_box(*transformed_parts.form);
 }
 
 const Intersector& without_world_boxes(const Intersector& form) {
     const BoxedFormParts parts = find_boxed_parts(form);
-    return parts.form != nullptr && form.is_placed ? without_world_boxes(*parts.form) : form;
+    return parts.form != nullptr && form.has_transform_method ? without_world_boxes(*parts.form) : form;
 }
 
 std::vector<std::string> names_on_tape(const Intersector& form, const Target<double>& target) {
     std::vector<std::string> names = table::input_names(form, target);
     const Intersector* current = &form;
-    for (bool in_world = !target.primitives.empty() && target.primitives.front().placed;;) {
+    for (bool in_world = !target.primitives.empty() && target.primitives.front().transform;;) {
         if (const BoxedFormParts parts = find_boxed_parts(*current); parts.form != nullptr) {
             for (const char* const coordinate : {"lo.x", "lo.y", "lo.z", "hi.x", "hi.y", "hi.z"})
                 names.push_back(join_text(in_world ? "world_box." : "box.", coordinate));
             current = parts.form;
-        } else if (const auto placed = transform::find_transformed_parts(*current); placed.form != nullptr) {
+        } else if (const auto transformed_parts = transform::find_transformed_parts(*current);
+                   transformed_parts.form != nullptr) {
             in_world = false;
-            current = placed.form;
+            current = transformed_parts.form;
         } else {
             return names;
         }
@@ -256,16 +258,17 @@ std::vector<std::string> names_on_tape(const Intersector& form, const Target<dou
 
 const Intersector& innermost_form(const Intersector& form) {
     if (const BoxedFormParts parts = find_boxed_parts(form); parts.form != nullptr) return innermost_form(*parts.form);
-    const auto placed = transform::find_transformed_parts(form);
-    return placed.form != nullptr ? innermost_form(*placed.form) : form;
+    const auto transformed_parts = transform::find_transformed_parts(form);
+    return transformed_parts.form != nullptr ? innermost_form(*transformed_parts.form) : form;
 }
 
 const Intersector& with_other_form(const Intersector& composed_form, const Intersector& form) {
     if (const BoxedFormParts parts = find_boxed_parts(composed_form); parts.form != nullptr)
         return boxed_form(*parts.method, *parts.box, with_other_form(*parts.form, form));
-    const auto placed = transform::find_transformed_parts(composed_form);
-    return placed.form != nullptr ? transform::transformed_form(*placed.method, with_other_form(*placed.form, form))
-                                  : form;
+    const auto transformed_parts = transform::find_transformed_parts(composed_form);
+    return transformed_parts.form != nullptr
+               ? transform::transformed_form(*transformed_parts.method, with_other_form(*transformed_parts.form, form))
+               : form;
 }
 
 }  // namespace lostbits::intersect::bounding_box

@@ -36,7 +36,7 @@ BoxedFormParts find_boxed_parts(const table::Intersector& form);
 /// one.
 bool has_box(const table::Intersector& form);
 
-/// Returns the form without its boxes in the world. For primitives under matrices, the result is a form that
+/// Returns the form without its boxes in the world. For transformed primitives, the result is a form that
 /// `transform::transformed_form` created.
 const table::Intersector& without_world_boxes(const table::Intersector& form);
 

@@ -14,9 +14,9 @@ namespace {
 template <class Method, class T>
 BoundingBox<T> world_box(const Primitive<T>& primitive) {
     const BoundingBox<T> object_box = bounding_box_of(primitive);
-    if (!primitive.placed) return object_box;
-    const Affine<T> stored = primitive.placed->map();
-    const Affine<T> to_world = primitive.placed->is_inverse ? transform::adjugate_over_determinant(stored) : stored;
+    if (!primitive.transform) return object_box;
+    const Affine<T> stored = primitive.transform->map();
+    const Affine<T> to_world = primitive.transform->is_inverse ? transform::adjugate_over_determinant(stored) : stored;
     return bounding_box_of_corners(object_box, [&](const Vec<T>& p) { return Method::point(to_world, p); });
 }
 
@@ -59,7 +59,8 @@ BoundingBox<double> compute_box_in_format(const Format& format, const Primitive<
     return with_number(format, [&]<class T>() {
         const auto primitive = lift_primitive<T>(stored);
         if constexpr (Method::info.rounds_outward) {
-            return compute_outward_box<Method>(format, transformed(primitive, [](const T& x) { return as_double(x); }));
+            return compute_outward_box<Method>(format,
+                                               convert_numbers(primitive, [](const T& x) { return as_double(x); }));
         } else {
             auto bounding_box = world_box<Method>(primitive);
             move_outward<Method>(bounding_box);

@@ -12,8 +12,8 @@ namespace lostbits::intersect::bounding_box {
 struct BoxMethod {
     const BoxMethodInfo* info;
     /// Computes the box of a primitive whose numbers are first rounded to the format. The numbers of the box are of the
-    /// format too. Under a matrix the box is in the world, around the corners of the box in the space of the primitive.
-    /// The primitive must have a bounding box (`has_bounding_box`).
+    /// format too. With a transform the box is in the world, around the corners of the box in the space of the
+    /// primitive. The primitive must have a bounding box (`has_bounding_box`).
     BoundingBox<double> (*compute_box)(const Format&, const Primitive<double>&);
 };
 

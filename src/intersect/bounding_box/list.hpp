@@ -16,7 +16,7 @@ struct BoxMethodInfo {
     int outward_steps = 0;  ///< number of neighbours in the format by which each number is then moved outward
 };
 
-/// Base of methods that compute a corner of a box under a matrix by rows: ((a p.x + b p.y) + c p.z) + d.
+/// Base of methods that compute a corner of a transformed box by rows: ((a p.x + b p.y) + c p.z) + d.
 struct PointByRows {
     template <Number T>
     static Vec<T> point(const Affine<T>& m, const Vec<T>& p) {

@@ -35,17 +35,17 @@ struct CompileError : InputError {
 inline constexpr std::size_t group_size = 64;
 
 /// A buffer of a run. Its bytes go to the device before the run, and come back after it if the program writes them.
-struct Buffer {
+struct DeviceBuffer {
     std::span<std::byte> bytes;
     bool is_written = false;  ///< true if the program writes the buffer
 };
 
-class Program {
+class DeviceProgram {
 public:
-    Program() = default;
-    Program(const Program&) = delete;
-    Program& operator=(const Program&) = delete;
-    virtual ~Program() = default;
+    DeviceProgram() = default;
+    DeviceProgram(const DeviceProgram&) = delete;
+    DeviceProgram& operator=(const DeviceProgram&) = delete;
+    virtual ~DeviceProgram() = default;
 };
 
 enum class Language { glsl, hlsl };
@@ -64,20 +64,21 @@ public:
     [[nodiscard]] virtual const DeviceLimits& limits() const = 0;
     /// Compiles a compute program. Throws CompileError if the compiler rejects the program, and EnvironmentError if the
     /// compiler itself fails or does not know the language.
-    [[nodiscard]] std::unique_ptr<Program> compile(const std::string& text, Language language) {
+    [[nodiscard]] std::unique_ptr<DeviceProgram> compile(const std::string& text, Language language) {
         const process::FloatingPointGuard guard;
         return compile_program(text, language);
     }
-    /// Runs this many work groups. Buffer k has binding k, and no buffer is empty. Throws EnvironmentError for a lost
-    /// device.
-    void run(Program& program, std::span<const Buffer> buffers, std::size_t groups) {
+    /// Runs this many work groups. DeviceBuffer k has binding k, and no buffer is empty. Throws EnvironmentError for a
+    /// lost device.
+    void run(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) {
         const process::FloatingPointGuard guard;
         run_program(program, buffers, groups);
     }
 
 protected:
-    [[nodiscard]] virtual std::unique_ptr<Program> compile_program(const std::string& text, Language language) = 0;
-    virtual void run_program(Program& program, std::span<const Buffer> buffers, std::size_t groups) = 0;
+    [[nodiscard]] virtual std::unique_ptr<DeviceProgram> compile_program(const std::string& text,
+                                                                         Language language) = 0;
+    virtual void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) = 0;
 };
 
 /// The kinds of driver interfaces, the default first.

@@ -5,7 +5,7 @@
 
 #include "intersect/device/device.hpp"
 #include "intersect/device/temporary_folder.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 
 namespace lostbits::intersect::device {
 

@@ -96,7 +96,7 @@ std::string text_of(GLenum name) {
     return text != nullptr ? reinterpret_cast<const char*>(text) : "unknown";
 }
 
-class GlProgram : public Program {
+class GlProgram : public DeviceProgram {
 public:
     explicit GlProgram(GLuint name) : name_(name) {}
     ~GlProgram() override { glDeleteProgram(name_); }
@@ -129,7 +129,7 @@ public:
     [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile_program(const std::string& glsl, Language language) override {
+    [[nodiscard]] std::unique_ptr<DeviceProgram> compile_program(const std::string& glsl, Language language) override {
         if (language != Language::glsl)
             throw EnvironmentError("opengl: takes only GLSL; --device vulkan takes HLSL too");
 
@@ -154,7 +154,7 @@ public:
         return program;
     }
 
-    void run_program(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) override {
         while (buffer_names_.size() < buffers.size()) glGenBuffers(1, &buffer_names_.emplace_back());
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             const auto bytes = static_cast<GLsizeiptr>(buffers[k].bytes.size());

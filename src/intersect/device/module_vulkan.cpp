@@ -144,7 +144,7 @@ private:
     std::size_t size_ = 0;
 };
 
-class VkProgram : public Program {
+class VkProgram : public DeviceProgram {
 public:
     VkProgram(VkDevice device, VkPipeline pipeline) : device_(device), pipeline_(pipeline) {}
     ~VkProgram() override { vkDestroyPipeline(device_, pipeline_, nullptr); }
@@ -191,7 +191,7 @@ public:
     [[nodiscard]] const DeviceDescription& description() const override { return description_; }
     [[nodiscard]] const DeviceLimits& limits() const override { return limits_; }
 
-    [[nodiscard]] std::unique_ptr<Program> compile_program(const std::string& text, Language language) override {
+    [[nodiscard]] std::unique_ptr<DeviceProgram> compile_program(const std::string& text, Language language) override {
         const std::vector<std::uint32_t> code = compile_to_spirv(text, language);
         VkShaderModuleCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -217,7 +217,7 @@ public:
         return std::make_unique<VkProgram>(device_, pipeline_handle);
     }
 
-    void run_program(Program& program, std::span<const Buffer> buffers, std::size_t groups) override {
+    void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) override {
         copy_to_device(buffers);
         record_commands(static_cast<VkProgram&>(program).pipeline(), static_cast<std::uint32_t>(groups));
         submit();
@@ -231,7 +231,7 @@ private:
     static constexpr std::size_t max_buffers = 7;
 
     /// Copies the buffers to memory that the device can access, and binds them to the bindings of the program.
-    void copy_to_device(std::span<const Buffer> buffers) {
+    void copy_to_device(std::span<const DeviceBuffer> buffers) {
         std::array<VkDescriptorBufferInfo, max_buffers> buffer_infos{};
         std::array<VkWriteDescriptorSet, max_buffers> writes{};
         for (std::size_t k = 0; k < buffers.size(); ++k) {

@@ -80,7 +80,7 @@ class FormatProbe {
 public:
     explicit FormatProbe(Device& device) : inputs_(make_probe_inputs<S>()), answers_(input_count) {
         const auto program = device.compile(write_probe_program(8 * sizeof(S), device.limits().glsl), Language::glsl);
-        const std::array<Buffer, 2> buffers{
+        const std::array<DeviceBuffer, 2> buffers{
             {{.bytes = std::as_writable_bytes(std::span(inputs_))},
              {.bytes = std::as_writable_bytes(std::span(answers_)), .is_written = true}}};
         device.run(*program, buffers, input_count / group_size);
@@ -269,8 +269,9 @@ std::uint32_t measure_count(Device& device, LoopKind kind, std::uint32_t count, 
     std::array<std::uint32_t, 3> input{count, 1, repetitions};
     std::array<std::uint32_t, 2> output{0, 0};
     const auto program = device.compile(write_loop_program(device.limits().glsl, kind), Language::glsl);
-    const std::array<Buffer, 2> buffers{{{.bytes = std::as_writable_bytes(std::span(input))},
-                                         {.bytes = std::as_writable_bytes(std::span(output)), .is_written = true}}};
+    const std::array<DeviceBuffer, 2> buffers{
+        {{.bytes = std::as_writable_bytes(std::span(input))},
+         {.bytes = std::as_writable_bytes(std::span(output)), .is_written = true}}};
     device.run(*program, buffers, 1);
     return output[0];
 }

@@ -9,7 +9,7 @@
 
 namespace lostbits::intersect::device {
 
-struct Fact {
+struct DeviceFact {
     std::string key;    ///< `f32.dot`
     std::string value;  ///< `x+(y+z)`
 };
@@ -18,7 +18,7 @@ struct Fact {
 extern const std::string_view probed_inputs;
 
 struct Arithmetic {
-    std::vector<Fact> facts;
+    std::vector<DeviceFact> facts;
     long long loop_limit = 0;        ///< iterations after which a loop is left silently; 0: no limit found
     bool loops_share_limit = false;  ///< true if the limit is on the sum over all loops of a function, not on each loop
     std::uint64_t digest = 0;        ///< digest of all bits of the answers

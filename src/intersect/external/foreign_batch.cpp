@@ -55,7 +55,7 @@ struct InterleavedBatch {
 template <class S>
 void append_ranges(const table::RayBatch<S>& rays, std::vector<S>& starts, std::vector<S>& ends) {
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Range<S> range = rays.range(i).closed();
+        const Range<S> range = rays.range(i).with_closed_ends();
         starts.push_back(range.tmin);
         ends.push_back(range.tmax);
     }

@@ -27,8 +27,8 @@ struct FirstRootForms {
 /// A form as the library compiled it.
 struct Formula {
     table::Intersector intersector;
-    std::array<simd::RawRow, 3> packed;  ///< registers of 128, 256 and 512 bits; null where not compiled
-    const char** who;                    ///< the name passed to `FormulaWatch::enter`, set by the program
+    std::array<simd::RawFormKernels, 3> packed;  ///< registers of 128, 256 and 512 bits; null where not compiled
+    const char** who;                            ///< the name passed to `FormulaWatch::enter`, set by the program
     FirstRootForms first_root_forms;
 };
 

@@ -94,7 +94,7 @@ Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Inter
 
 /// Kernels of the form for each register width, from the object files that are compiled for that width.
 template <class Form>
-inline std::array<simd::RawRow, 3> compiled_packs{};
+inline std::array<simd::RawFormKernels, 3> compiled_packs{};
 
 template <class Form, std::size_t width, class S>
 void run_pack(const simd::RawBatch<S>& batch) {
@@ -103,8 +103,8 @@ void run_pack(const simd::RawBatch<S>& batch) {
 }
 
 template <class Form, std::size_t width>
-simd::RawRow reporting_pack() {
-    const simd::RawRow& compiled = compiled_packs<Form>[width];
+simd::RawFormKernels reporting_pack() {
+    const simd::RawFormKernels& compiled = compiled_packs<Form>[width];
     return {compiled.f32 ? ReportingCall<Form, run_pack<Form, width, float>>::run : nullptr,
             compiled.f64 ? ReportingCall<Form, run_pack<Form, width, double>>::run : nullptr};
 }
@@ -202,11 +202,11 @@ Formula formula_of() {
 template <class... Form>
 struct Formulas {
     static const FormulaList* list(const FormulaWatch* watch, const char* build,
-                                   const std::array<void (*)(simd::RawRow*), 3>& fill_packs) {
+                                   const std::array<void (*)(simd::RawFormKernels*), 3>& fill_packs) {
         formula_watch = watch;
         for (std::size_t width = 0; width < fill_packs.size(); ++width) {
             if (fill_packs[width] == nullptr) continue;
-            std::array<simd::RawRow, sizeof...(Form)> rows;
+            std::array<simd::RawFormKernels, sizeof...(Form)> rows;
             fill_packs[width](rows.data());
             std::size_t i = 0;
             ((compiled_packs<Form>[width] = rows[i++]), ...);

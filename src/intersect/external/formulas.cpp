@@ -37,7 +37,7 @@ Contract contract_of_formula(const Formula& formula) {
 
 std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     const std::string path = library.string();
-    const char* const lasting_path = lasting_text(path);
+    const char* const lasting_path = never_freed_copy(path);
     const Library loaded = load_library(library);
     const auto list_formulas = find_symbol<FormulasFunction>(loaded, "lostbits_formulas");
     if (list_formulas == nullptr) return {};
@@ -69,7 +69,7 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
     std::vector<Formula> formulas(list->all, list->all + list->count);
     for (Formula& formula : formulas) {
         require_valid(contract_of_formula(formula), path);
-        *formula.who = lasting_text(path + ": form \"" + std::string(formula.intersector.info->name) + "\"");
+        *formula.who = never_freed_copy(path + ": form \"" + std::string(formula.intersector.info->name) + "\"");
     }
     return formulas;
 }
@@ -91,8 +91,8 @@ std::optional<ForeignForm> find_first_root_form(const std::vector<Formula>& form
 
 void add_prefix(Formula& formula, const std::string& prefix) {
     Info* const info =
-        new Info(*formula.intersector.info);  // never freed, like `lasting_text`: exit handlers may read it
-    info->name = lasting_text(prefix + std::string(info->name));
+        new Info(*formula.intersector.info);  // never freed, like `never_freed_copy`: exit handlers may read it
+    info->name = never_freed_copy(prefix + std::string(info->name));
     formula.intersector.info = info;
 }
 

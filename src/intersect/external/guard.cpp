@@ -16,7 +16,7 @@
 #include <mutex>
 #include <thread>
 
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::external {
@@ -69,15 +69,15 @@ void clean_up() {
     if (options().clean_up && !process::is_forked_copy()) options().clean_up();
 }
 
-[[noreturn]] void exit_program(Exit code) {
-    if (options().exit_with) options().exit_with(static_cast<int>(code));
-    _exit(static_cast<int>(code));
+[[noreturn]] void exit_program(ExitStatus status) {
+    if (options().exit_with) options().exit_with(static_cast<int>(status));
+    _exit(static_cast<int>(status));
 }
 
 [[noreturn]] void end_with_message(const char* who, const char* problem, const char* remedy) {
     clean_up();
     print_message(who, problem, remedy);
-    exit_program(Exit::environment);
+    exit_program(ExitStatus::environment);
 }
 
 constexpr const char* isolation_advice = "try --isolate, which runs it in a separate process, or a debugger";
@@ -152,7 +152,7 @@ void end_if_overdue(const char* who, std::chrono::duration<double> duration) {
     if (options().stop.is_requested() && duration.count() > 1) {
         clean_up();
         print_message(who, "was interrupted in the middle of a batch", "finished files are kept");
-        exit_program(Exit::interrupted);
+        exit_program(ExitStatus::interrupted);
     }
     if (duration.count() > options().seconds)
         end_with_message(who, "has not answered a batch within the time limit",
@@ -178,7 +178,7 @@ ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPoint
       state_before_(process::FloatingPointState::current()),
       fp_state_(fp_state) {
     set_up_signal_stack();
-    process::give_thread_own_folder();
+    process::make_working_folder_private();
     running_code = who;
     fp_state.apply();
 
@@ -195,7 +195,7 @@ ForeignCodeScope::ForeignCodeScope(const char* who, const process::FloatingPoint
 }
 
 ForeignCodeScope::~ForeignCodeScope() {
-    if (!process::restore_own_state(who_))
+    if (!process::restore_process_state(who_))
         end_with_message(who_, "closed descriptors that are the program's own",
                          "close only what it opened, each descriptor by its number");
     restore_limits_sometimes(who_);
@@ -253,7 +253,7 @@ void guard_foreign_code(const GuardOptions& new_options) {
     current_options = &all_options.emplace_back(new_options);
     if (is_guarding) return;
     is_guarding = true;
-    process::keep_own_state();
+    process::save_process_state();
 
     struct sigaction action {};
     action.sa_handler = on_crash;

@@ -96,8 +96,8 @@ struct GuardOptions {
 };
 
 /// Guards foreign code from now on. A crash signal inside foreign code, a call of exit() there, or a batch that takes
-/// too long ends the program with Exit::environment and a line that names the code and what to try. Other crashes are
-/// not changed. A call cannot be ended without the process, so other runs in the process end too, or wait for the
+/// too long ends the program with ExitStatus::environment and a line that names the code and what to try. Other crashes
+/// are not changed. A call cannot be ended without the process, so other runs in the process end too, or wait for the
 /// batch.
 void guard_foreign_code(const GuardOptions& options);
 

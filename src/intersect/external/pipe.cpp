@@ -19,10 +19,10 @@ static_assert(std::endian::native == std::endian::little, "numbers go through pi
 
 namespace {
 
-using process::Child;
+using process::ChildProcess;
 using process::SharedMemory;
 
-std::vector<Contract> read_contracts(Child& child, const PipeOptions& options) {
+std::vector<Contract> read_contracts(ChildProcess& child, const PipeOptions& options) {
     return read_greeting({.next_line = [&child] { return child.read_line(); },
                           .fail = [&child](const std::string& problem) { child.fail(problem); }},
                          options);
@@ -54,7 +54,7 @@ struct AnsweringProcess {
     }
 
     std::unique_ptr<SharedMemory> memory;
-    Child child;
+    ChildProcess child;
     std::vector<Contract> contracts;
 };
 
@@ -120,7 +120,7 @@ private:
 
 /// Sends a request and reads the header of the answer. Throws if the answer is an error. Returns true if the process
 /// belongs to this program and reports `state_changed_bit`.
-bool exchange_headers(Child& child, std::span<const std::byte> request, bool is_lostbits) {
+bool exchange_headers(ChildProcess& child, std::span<const std::byte> request, bool is_lostbits) {
     PipeAnswer answer;
     child.exchange(request, bytes_of(answer));
     if (std::memcmp(answer.magic, PipeAnswer{}.magic, sizeof answer.magic) != 0) {
@@ -159,7 +159,8 @@ std::array<std::span<const std::byte>, BatchColumn::request_columns> request_col
             column(batch.ends, BatchColumn::ends), column(batch.primitives, BatchColumn::primitives)};
 }
 
-void evaluate_by_pipe(Child& child, const PipeRequest& request, const ColumnBytes& bytes, const lb_batch& batch) {
+void evaluate_by_pipe(ChildProcess& child, const PipeRequest& request, const ColumnBytes& bytes,
+                      const lb_batch& batch) {
     thread_local std::vector<std::byte> message;
     const auto header = std::as_bytes(std::span(&request, 1));
     message.assign(header.begin(), header.end());

@@ -67,7 +67,7 @@ struct PipeOptions {
 std::vector<ForeignForm> open_pipe(const std::string& command, const PipeOptions& options);
 
 /// Returns the text that is sent in place of a header: the lines of the error, which say why the program cannot serve.
-std::string refusal_of(const Error& error);
+std::string error_lines_of(const Error& error);
 
 /// Serves a pipe: answers requests on `input` with these forms until the input ends. Returns false if a message on the
 /// input is not a request. Throws EnvironmentError if an answer cannot be written while the other process still waits

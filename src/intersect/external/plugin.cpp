@@ -14,7 +14,7 @@
 #include "intersect/external/guard.hpp"
 #include "intersect/external/pipe_header.hpp"
 #include "intersect/process/child.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 #include "text/shell_word.hpp"
 
@@ -59,7 +59,7 @@ ForeignForm build_foreign_form(const lb_form& form, const std::string& from,
                                const process::FloatingPointState& fp_state) {
     ForeignForm result{read_form_contract(form, from), from, {}};
     result.contract.state = fp_state.differences();
-    const char* const lasting_name = lasting_text(name_in_messages(result));
+    const char* const lasting_name = never_freed_copy(name_in_messages(result));
     result.answer = [&form, lasting_name, fp_state](const lb_batch& request) {
         lb_batch batch = request;
         batch.own = form.own;
@@ -108,7 +108,7 @@ fs::path find_plugin(const std::string& option) {
                      "; give its path, or set LOSTBITS_PLUGIN_PATH");
 }
 
-const char* lasting_text(const std::string& text) { return (new std::string(text))->c_str(); }
+const char* never_freed_copy(const std::string& text) { return (new std::string(text))->c_str(); }
 
 namespace {
 
@@ -140,7 +140,7 @@ Library load_library(const fs::path& library) {
     static std::map<void*, process::FloatingPointState>
         states_after_load;  // by handle; a second load runs no initialisers
     const std::string path = library.string();
-    const char* const lasting_path = lasting_text(path);
+    const char* const lasting_path = never_freed_copy(path);
     if (read_first_bytes(library, 4) != "\177ELF")
         throw InputError(path + " is not a library; " +
                          (is_source(library) ? "compile it first: " + compile_command(library)
@@ -159,7 +159,7 @@ Library load_library(const fs::path& library) {
 
 std::vector<ForeignForm> load_plugin(const fs::path& library) {
     const std::string path = library.string();
-    const char* const lasting_path = lasting_text(path);
+    const char* const lasting_path = never_freed_copy(path);
     const Library loaded = load_library(library);
     using FormsFunction = const lb_form* (*)(int, std::size_t*);
     const auto list_forms = find_symbol<FormsFunction>(loaded, "lostbits_forms");

@@ -44,7 +44,7 @@ Function find_symbol(const Library& library, const char* name) {
 }
 
 /// Returns a copy of a text that is never freed: exit handlers may read it after the end of main().
-const char* lasting_text(const std::string& text);
+const char* never_freed_copy(const std::string& text);
 
 /// Returns a form as a library states it. `form` must live as long as the library is loaded. `fp_state` is the
 /// floating-point environment of the library. Throws InputError, which begins with `from`, for an invalid contract.

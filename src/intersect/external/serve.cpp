@@ -159,8 +159,8 @@ void require_client_ended(int input) {
 
 }  // namespace
 
-std::string refusal_of(const Error& error) {
-    const char* const key = error.code() == Exit::bad_input ? "error=" : "missing=";
+std::string error_lines_of(const Error& error) {
+    const char* const key = error.status() == ExitStatus::bad_input ? "error=" : "missing=";
     constexpr std::size_t max_line_bytes = 4000;  // bytes in a line of the header
     std::string header = std::string(pipe_version) + "\n";
     std::istringstream lines(error.what());

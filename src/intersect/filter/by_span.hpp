@@ -15,7 +15,7 @@ namespace lostbits::intersect::filter {
 
 /// The decision and t of a filter, and whether they are proved. P is the number type T without recording.
 template <class T, class P>
-struct FirstStep {
+struct FilterResult {
     mask_t<P> proved, hit;
     T t;
 };
@@ -24,7 +24,7 @@ struct FirstStep {
 /// ray, then those of the primitive. The function is not inlined, because rays and many primitives share it. A format
 /// of less than 20 bits proves nothing (`Proving`).
 template <template <class> class S, class T, class P>
-[[gnu::noinline]] FirstStep<T, P> prove(const T* numbers) {
+[[gnu::noinline]] FilterResult<T, P> prove(const T* numbers) {
     using E = number::wide::Proving<T>;
     const auto number_at = [numbers](std::size_t i) { return E(numbers[i]); };
     const Ray<E> ray{{number_at(0), number_at(1), number_at(2)}, {number_at(3), number_at(4), number_at(5)}};
@@ -55,7 +55,7 @@ Hit<T> single_root_hit(const mask_t<T>& hit, const T& t) {
 template <Number T, std::size_t n, class Watch>
 requires number::wide::InRegisters<T> Hit<T> decide_in_wider(std::string_view, Shape shape,
                                                              const std::array<T, n>& numbers,
-                                                             const FirstStep<T, T>& known, Watch& watch) {
+                                                             const FilterResult<T, T>& known, Watch& watch) {
     constexpr bool narrow = number::wide::has_wider_word<T>;
     using F = std::conditional_t<narrow, float, double>;
     F lanes[n][T::lanes], t[T::lanes], hit[T::lanes];
@@ -79,7 +79,7 @@ requires number::wide::InRegisters<T> Hit<T> decide_in_wider(std::string_view, S
 
 /// Decides a ray that is not proved, for numbers other than packs. Numbers that record operations record a call.
 template <Number T, class P, std::size_t n, class Watch>
-Hit<T> decide_in_wider(std::string_view form, Shape shape, const std::array<T, n>& numbers, const FirstStep<T, P>&,
+Hit<T> decide_in_wider(std::string_view form, Shape shape, const std::array<T, n>& numbers, const FilterResult<T, P>&,
                        Watch& watch) {
     double ray_numbers[n];
     for (std::size_t i = 0; i < n; ++i) ray_numbers[i] = as_double(numbers[i]);

@@ -20,40 +20,40 @@ using number::wide::Proving, number::wide::Running, number::wide::TwoWords;
 /// The answer that one arithmetic proves for a ray; empty if it proves none.
 using ProvedAnswer = std::optional<FallbackAnswer>;
 
-constexpr FallbackAnswer miss_in(FilterArithmetic arithmetic) { return {false, -1, arithmetic}; }
+constexpr FallbackAnswer miss_in(DecidingArithmetic arithmetic) { return {false, -1, arithmetic}; }
 /// A hit at t. Adding 0 turns −0 into +0.
-constexpr FallbackAnswer hit_in(double t, FilterArithmetic arithmetic) { return {true, t + 0.0, arithmetic}; }
+constexpr FallbackAnswer hit_in(double t, DecidingArithmetic arithmetic) { return {true, t + 0.0, arithmetic}; }
 
 /// The decision and t, if the decision is proved and the error of t is at most 8 unit_roundoff·t.
 ProvedAnswer proved_answer(const FirstSpanHit<Proving<double>>& first_hit, double unit_roundoff) {
-    if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::wider);
+    if (first_hit.hit.is_no()) return miss_in(DecidingArithmetic::wider);
     const double t = first_hit.t.word();
     if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * unit_roundoff * t)
-        return hit_in(t, FilterArithmetic::wider);
+        return hit_in(t, DecidingArithmetic::wider);
     return std::nullopt;
 }
 ProvedAnswer proved_answer(const FirstSpanHit<Ball>& first_hit, double unit_roundoff) {
-    if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::two_words);
+    if (first_hit.hit.is_no()) return miss_in(DecidingArithmetic::two_words);
     const double t = first_hit.t.hi();
     if (first_hit.hit.is_yes() && first_hit.t.is_bounded() && first_hit.t.radius() <= 8 * unit_roundoff * t)
-        return hit_in(t, FilterArithmetic::two_words);
+        return hit_in(t, DecidingArithmetic::two_words);
     return std::nullopt;
 }
 ProvedAnswer proved_answer(const FirstSpanHit<Running<TwoWords<double>>>& first_hit, double unit_roundoff) {
-    if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::two_words);
+    if (first_hit.hit.is_no()) return miss_in(DecidingArithmetic::two_words);
     const double t = first_hit.t.first();
     if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * unit_roundoff * t)
-        return hit_in(t, FilterArithmetic::two_words);
+        return hit_in(t, DecidingArithmetic::two_words);
     return std::nullopt;
 }
 /// Both ends of t are rounded to double, so that a t that is subnormal, zero or too large has an answer too.
 ProvedAnswer proved_answer(const FirstSpanHit<Interval>& first_hit, double unit_roundoff) {
-    if (first_hit.hit.is_no()) return miss_in(FilterArithmetic::exact);
+    if (first_hit.hit.is_no()) return miss_in(DecidingArithmetic::exact);
     if (!first_hit.hit.is_yes() || !first_hit.t.is_bounded()) return std::nullopt;
     const double low = mpfr_get_d(first_hit.t.lower(), MPFR_RNDN), high = mpfr_get_d(first_hit.t.upper(), MPFR_RNDN);
     constexpr double tiny = std::numeric_limits<double>::denorm_min();
     if (!(low == high || high - low <= 4 * unit_roundoff * low + tiny)) return std::nullopt;
-    return hit_in(low, FilterArithmetic::exact);
+    return hit_in(low, DecidingArithmetic::exact);
 }
 
 template <template <class> class S, class E>
@@ -85,7 +85,7 @@ FallbackAnswer decide_by_escalation(const double* numbers, double unit_roundoff)
         const Interval::Precision precision(bits);
         if (const ProvedAnswer proved_exactly = proved_by<S, Interval>(numbers, unit_roundoff)) return *proved_exactly;
     }
-    return miss_in(FilterArithmetic::exact);  // the numbers are not a valid primitive
+    return miss_in(DecidingArithmetic::exact);  // the numbers are not a valid primitive
 }
 
 template <template <class> class S>
@@ -104,7 +104,7 @@ inline constexpr bool is_filtered_by_span<Span<E>> = true;
 }  // namespace
 
 FallbackAnswer exact_fallback(Shape shape, const double* numbers, double unit_roundoff) {
-    FallbackAnswer answer = miss_in(FilterArithmetic::exact);
+    FallbackAnswer answer = miss_in(DecidingArithmetic::exact);
     Primitives::each([&]<template <class> class S>() {
         if constexpr (is_filtered_by_span<SpanOf<S, Ball>>)
             if (shape == shape_as<S> && are_finite<S>(numbers))

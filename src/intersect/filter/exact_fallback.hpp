@@ -2,15 +2,15 @@
 // serves all formats and the lanes of packs, so it is compiled once.
 #pragma once
 
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "shapes/primitive.hpp"
 
 namespace lostbits::intersect::filter {
 
 struct FallbackAnswer {
     bool hit;
-    double t;                     ///< −1 for a miss
-    FilterArithmetic arithmetic;  ///< the arithmetic that proved the answer
+    double t;                       ///< −1 for a miss
+    DecidingArithmetic arithmetic;  ///< the arithmetic that proved the answer
 };
 
 /// Decides whether a ray hits a primitive, and where. The shape must have a form that filters by its span

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "geometry/ray.hpp"
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "number/wide/widening.hpp"
 #include "shapes/numbers_of.hpp"
 
@@ -117,14 +117,14 @@ Decision<T> decide_in_a_call(const Ray<T>& ray, const S<T>& primitive) {
 /// Decides where `first` is not proved: in two words, then without rounding.
 template <class Steps, template <class> class S, Number T, class Watch>
 Decision<T> decide_further(const Ray<T>& ray, const S<T>& primitive, const Decision<T>& first, Watch& watch) {
-    watch(FilterArithmetic::two_words);
+    watch(DecidingArithmetic::two_words);
     const auto in_two_words = [&] {
         const Part<T> part("in two words");
         return first_proved(first, Steps::in_two_words(ray, primitive));
     };
     const Decision<T> two_word_decision = in_two_words();
     if (!any_of(!two_word_decision.is_proved)) return two_word_decision;
-    watch(FilterArithmetic::exact);
+    watch(DecidingArithmetic::exact);
     if constexpr (traces_operations<T>) return decide_in_a_call<Steps>(ray, primitive);
     else return decide_exactly<Steps>(ray, primitive, two_word_decision);
 }

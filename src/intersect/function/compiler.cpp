@@ -212,9 +212,9 @@ void Compiler::run(process::ProgramArguments arguments, const fs::path& source, 
     arguments.push_back(source.string());
     arguments.insert(arguments.end(), trailing_arguments.begin(), trailing_arguments.end());
     const std::string subject = file_.string() + ": " + arguments[0];
-    process::Child child(arguments,
-                         {.who = subject, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
-    const process::Child::EndResult result = child.read_to_end();
+    process::ChildProcess child(arguments,
+                                {.who = subject, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
+    const process::ChildProcess::ChildEnd result = child.read_to_end();
     if (result.status == 0 && (output.empty() || fs::exists(output))) return;
     std::string messages = clean_messages(result.output, temporary_folder_.path.string());
     if (WIFSIGNALED(result.status))

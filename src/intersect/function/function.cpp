@@ -92,7 +92,7 @@ std::string probed_ir(Compiler& compiler, SourceLanguage language, const OptionP
     try {
         return compiler.compile_to_ir(probe_of(language, compiler.file(), parts.function), Compiler::Optimisation::off);
     } catch (const InputError&) {
-        if (mentions(source, parts.function)) throw;
+        if (contains_word(source, parts.function)) throw;
     }
     const std::string ir_without_name =
         compiler.compile_to_ir(probe_of(language, compiler.file(), ""), Compiler::Optimisation::off);
@@ -340,7 +340,7 @@ template <class S>
 external::ForeignForm compiled_form(const external::Library& library, const UserSignature& signature,
                                     const std::string& path, const std::string& subject) {
     external::ForeignForm form{signature.contract, path, {}};
-    const char* const name = external::lasting_text(external::name_in_messages(form));
+    const char* const name = external::never_freed_copy(external::name_in_messages(form));
     const auto entry = external::find_symbol<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
     if (entry == nullptr) throw InputError(subject + ": the compiled function has no entry");
     form.answer = [entry, name, number_count = row_of(signature.contract.shape).numbers,

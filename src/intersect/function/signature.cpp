@@ -18,7 +18,7 @@ using Kind = SourceType::Kind;
 
 /// A vector or a number of an argument, and the names from which its role is guessed.
 struct Part {
-    Slot slot;
+    NumberSlot slot;
     bool is_vector = false;
     std::string path;                 ///< expression in the source: "ray.origin"
     std::string last_name;            ///< the last name of the path, normalized
@@ -386,7 +386,7 @@ void add_inputs(UserSignature& signature, const Part& p, Shape shape) {
 
     for (std::size_t k = 0; k < (p.is_vector ? 3U : 1U); ++k) {
         const std::string input = "in[" + std::to_string(input_index + k) + "]";
-        Slot slot = p.slot;
+        NumberSlot slot = p.slot;
         slot.offset += k * p.slot.size;
         signature.inputs.push_back({slot, p.role == "1/d" ? "1 / " + input : p.role == "tmin" ? "0" : input});
     }
@@ -403,9 +403,9 @@ std::vector<Part> find_answers(UserSignature& signature, const std::vector<Part>
     }
     std::vector<Part> returned_parts;
     if (value->kind == Kind::number) {
-        signature.t = Slot{-1, 0, value->size, false};
+        signature.t = NumberSlot{-1, 0, value->size, false};
     } else if (value->kind == Kind::integer) {
-        signature.hit = Slot{-1, 0, value->size, true};
+        signature.hit = NumberSlot{-1, 0, value->size, true};
     } else if (value->kind == Kind::structure) {
         // Three numbers x, y, z are t and coordinates inside of a triangle.
         const bool is_vector = value->parts.size() > 2 && normalized_name(value->parts[1].member) == "y";
@@ -440,7 +440,7 @@ void set_contract(UserSignature& signature, Shape shape, bool takes_tmax) {
 /// Describes where the answers are, for the user.
 std::string answers_text(const UserSignature& signature, const std::vector<Part>& parts,
                          const std::vector<Part>& returned_parts) {
-    const auto source_of = [&](const Slot& slot) -> std::string {
+    const auto source_of = [&](const NumberSlot& slot) -> std::string {
         if (slot.argument < 0) {
             for (const Part& p : returned_parts)
                 if (p.slot.offset == slot.offset) return "its " + p.path;

@@ -40,7 +40,7 @@ struct Argument {
 };
 
 /// A number at an offset of an argument, or of the returned value.
-struct Slot {
+struct NumberSlot {
     int argument = -1;  ///< -1: the returned value
     std::size_t offset = 0;
     std::size_t size = 0;
@@ -49,7 +49,7 @@ struct Slot {
 
 /// A slot and the expression of the number that is written to it: `in[3]`, `1 / in[3]` or `0`.
 struct InputSlot {
-    Slot slot;
+    NumberSlot slot;
     std::string source;
 };
 
@@ -80,7 +80,7 @@ struct UserSignature {
     SourceType returned;
     int bits = 32;
     std::vector<InputSlot> inputs;
-    std::optional<Slot> hit, t, far;
+    std::optional<NumberSlot> hit, t, far;
     bool hit_is_optional = false;  ///< the returned optional is empty for a miss
     MissValue miss_value;
     external::Contract contract;
@@ -116,7 +116,7 @@ int count_numbers(const SourceType& t, std::size_t& size, std::string& last_memb
 bool is_sequence_of_numbers(const SourceType& t);
 
 /// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.
-bool mentions(const std::string& source, const std::string& name);
+bool contains_word(const std::string& source, const std::string& name);
 /// Returns the message that a file does not have the function, with a list of the functions that the file defines. `ir`
 /// is the LLVM IR of the file.
 std::string missing_function_message(const std::string& ir, const std::string& path, const std::string& name,

@@ -369,7 +369,7 @@ bool is_sequence_of_numbers(const SourceType& t) {
     return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
 }
 
-bool mentions(const std::string& source, const std::string& name) {
+bool contains_word(const std::string& source, const std::string& name) {
     const std::string untemplated_name = name.substr(0, name.find('<'));
     const std::string last_part = last_part_of(untemplated_name);
     const auto is_word_character = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };

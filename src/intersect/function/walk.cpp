@@ -179,12 +179,12 @@ Value Walk::join(Mask when, const Value& a, const Value& b) {
     return joined;
 }
 
-void Walk::join(State& state, State&& other) {
+void Walk::join(MemoryState& state, MemoryState&& other) {
     // Finds the decisions of each path after the last one that both share.
     std::size_t common = 0;
     while (common < std::min(state.path.size(), other.path.size()) && state.path[common] == other.path[common])
         ++common;
-    const auto decisions_after_fork = [&](const State& s) {
+    const auto decisions_after_fork = [&](const MemoryState& s) {
         Mask conjunction = yes;
         for (std::size_t k = common; k < s.path.size(); ++k) conjunction = nodes_.logical_and(conjunction, s.path[k]);
         return conjunction;
@@ -205,7 +205,7 @@ void Walk::join(State& state, State&& other) {
     join_registers(when, state.registers, other.registers);
 }
 
-void Walk::join_memory(Mask when, State& state, const State& other) {
+void Walk::join_memory(Mask when, MemoryState& state, const MemoryState& other) {
     state.memory.resize(std::max(state.memory.size(), other.memory.size()));
     for (std::size_t k = 0; k < other.memory.size(); ++k) {
         if (state.memory[k] == other.memory[k] || other.memory[k] == nullptr) continue;
@@ -227,7 +227,7 @@ void Walk::join_registers(Mask when, Registers& registers, const Registers& othe
     }
 }
 
-int Walk::new_object(State& state, bool is_written) {
+int Walk::new_object(MemoryState& state, bool is_written) {
     const int object = object_count_++;
     if (is_written) {
         state.memory.resize(static_cast<std::size_t>(object) + 1);
@@ -236,11 +236,11 @@ int Walk::new_object(State& state, bool is_written) {
     return object;
 }
 
-Value Walk::load(State& state, const Value& pointer, std::size_t size) {
+Value Walk::load(MemoryState& state, const Value& pointer, std::size_t size) {
     std::optional<Value> result;
-    const std::vector<Case> cases = cases_of(pointer, *module_.pointer_type());
+    const std::vector<PossibleValue> cases = cases_of(pointer, *module_.pointer_type());
     for (std::size_t k = cases.size(); k-- > 0;) {
-        const Case& c = cases[k];
+        const PossibleValue& c = cases[k];
         if (c.memory_object == 0) {
             if (cases.size() == 1) fail("memory at an unknown address is read");
             continue;
@@ -253,7 +253,7 @@ Value Walk::load(State& state, const Value& pointer, std::size_t size) {
 }
 
 /// Reads the bytes at one of the values of an address.
-Value Walk::load_from(const State& state, const Case& address, std::size_t size) {
+Value Walk::load_from(const MemoryState& state, const PossibleValue& address, std::size_t size) {
     const auto offset = static_cast<std::size_t>(address.value);
     if (const auto global = global_memory_.find(address.memory_object); global != global_memory_.end())
         return extract_bytes(global->second, offset, size);
@@ -265,9 +265,9 @@ Value Walk::load_from(const State& state, const Case& address, std::size_t size)
     return extract_bytes(*state.memory[index], offset, size);
 }
 
-void Walk::store(State& state, const Value& pointer, std::size_t size, const Value& value) {
-    const std::vector<Case> cases = cases_of(pointer, *module_.pointer_type());
-    for (const Case& c : cases) {
+void Walk::store(MemoryState& state, const Value& pointer, std::size_t size, const Value& value) {
+    const std::vector<PossibleValue> cases = cases_of(pointer, *module_.pointer_type());
+    for (const PossibleValue& c : cases) {
         const auto index = static_cast<std::size_t>(c.memory_object);
         if (global_memory_.contains(c.memory_object)) fail("a global variable is written");
         if (c.memory_object == 0 && cases.size() > 1) continue;
@@ -284,7 +284,7 @@ void Walk::store(State& state, const Value& pointer, std::size_t size, const Val
 }
 
 /// Enters a block: sets its phis, and joins the state with the state that already waits at the start of the block.
-void Walk::enter(Frame& frame, State state, const std::string& target) {
+void Walk::enter(CallFrame& frame, MemoryState state, const std::string& target) {
     const auto target_block = frame.blocks.find(target);
     if (target_block == frame.blocks.end()) fail("the LLVM IR has no block " + target);
     const auto block_index = static_cast<std::size_t>(target_block->second);
@@ -299,7 +299,8 @@ void Walk::enter(Frame& frame, State state, const std::string& target) {
 }
 
 /// Returns the registers that the phis of a block set, and their values.
-std::vector<std::pair<std::string, Value>> Walk::read_phis(const Frame& frame, State& state, const Block& block) {
+std::vector<std::pair<std::string, Value>> Walk::read_phis(const CallFrame& frame, MemoryState& state,
+                                                           const Block& block) {
     std::vector<std::pair<std::string, Value>> phis;
     for (const std::string_view line : block.lines) {
         // Phis stand at the start of the block; debug records may stand between them.
@@ -322,7 +323,7 @@ std::vector<std::pair<std::string, Value>> Walk::read_phis(const Frame& frame, S
 
 /// Reads `[VALUE, %BLOCK], ...`, and returns the value for the preceding block. The others may be undefined, so they
 /// are not read.
-std::optional<Value> Walk::read_phi(const Frame& frame, State& state, const Type& type, Cursor& cursor) {
+std::optional<Value> Walk::read_phi(const CallFrame& frame, MemoryState& state, const Type& type, Cursor& cursor) {
     std::optional<Value> result;
     while (cursor.take("[")) {
         Cursor value_cursor = cursor;
@@ -337,9 +338,9 @@ std::optional<Value> Walk::read_phi(const Frame& frame, State& state, const Type
 }
 
 /// Enters a block under the condition `when`. Does nothing if the decisions of the path exclude it.
-void Walk::branch(Frame& frame, State& state, Mask when, const std::string& target) {
+void Walk::branch(CallFrame& frame, MemoryState& state, Mask when, const std::string& target) {
     if (when == no) return;
-    State next_state = state;
+    MemoryState next_state = state;
     if (when != yes) {
         const Mask negation = next_state.path.empty() ? no : nodes_.logical_not(when);
         for (const Mask m : next_state.path) {
@@ -351,20 +352,20 @@ void Walk::branch(Frame& frame, State& state, Mask when, const std::string& targ
     enter(frame, std::move(next_state), target);
 }
 
-void Walk::add_return_state(Frame& frame, State& state, Value value) {
-    State return_state = std::move(state);
+void Walk::add_return_state(CallFrame& frame, MemoryState& state, Value value) {
+    MemoryState return_state = std::move(state);
     return_state.registers.clear();
     return_state.registers["ret"] = std::move(value);
     if (!frame.returned) frame.returned = std::move(return_state);
     else join(*frame.returned, std::move(return_state));
 }
 
-auto Walk::run_function(const IrFunction& f, std::vector<Value> arguments, State state, int caller)
-    -> std::optional<std::pair<State, Value>> {
+auto Walk::run_function(const IrFunction& f, std::vector<Value> arguments, MemoryState state, int caller)
+    -> std::optional<std::pair<MemoryState, Value>> {
     if (depth_ > 60) fail("calls are nested too deeply; a function that calls itself is not followed");
     if (arguments.size() < f.parameters.size()) fail("it is called with too few arguments");
     ++depth_;
-    Frame frame = make_frame(f, caller);
+    CallFrame frame = make_frame(f, caller);
 
     const Registers caller_registers = std::move(state.registers);
     state.registers.clear();
@@ -374,15 +375,15 @@ auto Walk::run_function(const IrFunction& f, std::vector<Value> arguments, State
     --depth_;
 
     if (!frame.returned) return {};
-    State final_state = std::move(*frame.returned);
+    MemoryState final_state = std::move(*frame.returned);
     Value result = std::move(final_state.registers["ret"]);
     final_state.registers = caller_registers;
     return std::pair(std::move(final_state), std::move(result));
 }
 
 /// Prepares a call: finds the successors of each block, and the order in which the blocks run.
-Walk::Frame Walk::make_frame(const IrFunction& f, int caller) {
-    Frame frame{.function = &f, .caller = caller, .positions = {}, .blocks = {}, .pending = {}, .visits = {}};
+Walk::CallFrame Walk::make_frame(const IrFunction& f, int caller) {
+    CallFrame frame{.function = &f, .caller = caller, .positions = {}, .blocks = {}, .pending = {}, .visits = {}};
     for (std::size_t b = 0; b < f.blocks.size(); ++b) frame.blocks[f.blocks[b].name] = static_cast<int>(b);
 
     std::vector<std::vector<int>> successors(f.blocks.size());
@@ -396,7 +397,7 @@ Walk::Frame Walk::make_frame(const IrFunction& f, int caller) {
 }
 
 /// Sets the registers of the parameters. A structure that is passed by value is copied.
-void Walk::set_parameters(State& state, const IrFunction& f, const std::vector<Value>& arguments) {
+void Walk::set_parameters(MemoryState& state, const IrFunction& f, const std::vector<Value>& arguments) {
     for (std::size_t k = 0; k < f.parameters.size(); ++k) {
         const IrParameter& p = f.parameters[k];
         Value argument = arguments[k];
@@ -410,7 +411,7 @@ void Walk::set_parameters(State& state, const IrFunction& f, const std::vector<V
 }
 
 /// Runs blocks until no state waits: each time the block with the lowest position at which one waits.
-void Walk::run_blocks(Frame& frame) {
+void Walk::run_blocks(CallFrame& frame) {
     const std::vector<Block>& blocks = frame.function->blocks;
     std::map<int, std::size_t> block_at_position;
     for (std::size_t b = 0; b < blocks.size(); ++b) block_at_position[frame.positions[b]] = b;
@@ -418,7 +419,7 @@ void Walk::run_blocks(Frame& frame) {
     while (!frame.pending.empty()) {
         auto first = frame.pending.begin();
         const std::size_t b = block_at_position[first->first];
-        State current_state = std::move(first->second);
+        MemoryState current_state = std::move(first->second);
         frame.pending.erase(first);
 
         frame.block = blocks[b].name;
@@ -436,7 +437,7 @@ Walk::Answer Walk::run(const std::string& name, int inputs) {
         if (f == nullptr) fail("the LLVM IR does not define " + name);
 
         // Passes a pointer to each of the three objects.
-        State state;
+        MemoryState state;
         std::vector<Value> arguments;
         for (int k = 0; k < 3; ++k) arguments.push_back(integer_from_cases({{yes, new_object(state), 0}}, 8));
         const std::size_t size = nodes_.bits() / 8;
@@ -457,9 +458,9 @@ Walk::Answer Walk::run(const std::string& name, int inputs) {
 }
 
 /// Reads what the function has written to its outputs: t and the far t, and whether it hits.
-Walk::Answer Walk::read_answer(const State& state) {
+Walk::Answer Walk::read_answer(const MemoryState& state) {
     Mask hits = no;
-    for (const Case& c : cases_of(*state.memory[hit_object], *module_.integer_type(32)))
+    for (const PossibleValue& c : cases_of(*state.memory[hit_object], *module_.integer_type(32)))
         if (c.value != 0) hits = nodes_.logical_or(hits, c.when);
 
     const std::size_t size = nodes_.bits() / 8;

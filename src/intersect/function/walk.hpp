@@ -18,20 +18,20 @@
 namespace lostbits::intersect::function {
 
 /// One possible value of an integer or an address: the value if the decision `when` is true.
-struct Case {
+struct PossibleValue {
     Mask when = yes;
     int memory_object = 0;   ///< index of the variable or buffer that an address points into; 0 for an integer
     std::int64_t value = 0;  ///< the integer, or the offset of an address in bytes
-    friend bool operator==(const Case&, const Case&) = default;
+    friend bool operator==(const PossibleValue&, const PossibleValue&) = default;
 };
 
 struct Scalar {
     /// `lost`: a value that is not followed; an instruction that uses it fails with `reason`.
     enum class Kind { undefined, lost, number, integer };
     Kind kind = Kind::undefined;
-    NodeId node = no_node;         ///< operation of a number
-    std::vector<Case> cases = {};  ///< possible values of an integer or an address; exactly one `when` is true
-    std::string reason = {};       ///< why a value is lost
+    NodeId node = no_node;                  ///< operation of a number
+    std::vector<PossibleValue> cases = {};  ///< possible values of an integer or an address; exactly one `when` is true
+    std::string reason = {};                ///< why a value is lost
     friend bool operator==(const Scalar&, const Scalar&) = default;
 };
 
@@ -75,36 +75,37 @@ public:
 
 private:
     using Registers = std::unordered_map<std::string, Value>;
-    struct State {
+    struct MemoryState {
         std::vector<Mask> path;  ///< the decisions that led to this state; all are true in it
         std::vector<std::shared_ptr<Value>> memory;
         Registers registers;
     };
     /// A call of a function that is running.
-    struct Frame {
+    struct CallFrame {
         const IrFunction* function;
         int caller;                  ///< index of the place of the call
         std::vector<int> positions;  ///< position of each block in the order in which blocks run
         std::map<std::string, int> blocks;
-        std::map<int, State> pending;  ///< states that wait at the start of a block, by the position of the block
+        std::map<int, MemoryState> pending;  ///< states that wait at the start of a block, by the position of the block
         std::vector<int> visits;
-        std::optional<State> returned = {};
+        std::optional<MemoryState> returned = {};
         std::string block = {};  ///< name of the block that is running
     };
 
     // Values
     [[noreturn]] void fail(const std::string& problem) const { throw NotFollowed(problem); }
-    Value integer_from_cases(std::vector<Case> cases, std::size_t size) const;
+    Value integer_from_cases(std::vector<PossibleValue> cases, std::size_t size) const;
     Value integer(std::int64_t value, const Type& type) const {
         return integer_from_cases({{yes, 0, value}}, type.size);
     }
     Value number(NodeId node) const;
     Value integer_from_mask(Mask m, std::size_t size = 1);
     NodeId number_of(const Value& value, const Type& type);
-    std::vector<Case> cases_of(const Value& value, const Type& type);
-    std::vector<Case> cases_of_cell(const MemoryCell& cell) const;
-    std::vector<Case> insert_bytes(const std::vector<Case>& integers, const std::vector<Case>& cell_cases,
-                                   std::size_t offset, std::size_t size);
+    std::vector<PossibleValue> cases_of(const Value& value, const Type& type);
+    std::vector<PossibleValue> cases_of_cell(const MemoryCell& cell) const;
+    std::vector<PossibleValue> insert_bytes(const std::vector<PossibleValue>& integers,
+                                            const std::vector<PossibleValue>& cell_cases, std::size_t offset,
+                                            std::size_t size);
     Mask mask_of(const Value& value);
     std::optional<Scalar> slice(const Scalar& scalar, std::size_t size, std::size_t first_byte, std::size_t count);
     Value extract_bytes(const Value& value, std::size_t first_byte, std::size_t count);
@@ -112,98 +113,101 @@ private:
     Scalar join(Mask when, const Scalar& a, const Scalar& b, std::size_t size);
     Value cut_like(const Value& value, const Value& pattern);
     Value join(Mask when, const Value& a, const Value& b);
-    std::vector<Case> merge_duplicates(std::vector<Case> cases);
+    std::vector<PossibleValue> merge_duplicates(std::vector<PossibleValue> cases);
     Value zero_value(const Type& type);
     std::optional<NodeId> number_from_bits(const Scalar& scalar, std::size_t size);
 
     // States
-    void join(State& state, State&& other);
-    void join_memory(Mask when, State& state, const State& other);
+    void join(MemoryState& state, MemoryState&& other);
+    void join_memory(Mask when, MemoryState& state, const MemoryState& other);
     void join_registers(Mask when, Registers& registers, const Registers& others);
-    int new_object(State& state, bool is_written = true);
-    Value load(State& state, const Value& pointer, std::size_t size);
-    Value load_from(const State& state, const Case& address, std::size_t size);
-    void store(State& state, const Value& pointer, std::size_t size, const Value& value);
-    void enter(Frame& frame, State state, const std::string& target);
-    std::vector<std::pair<std::string, Value>> read_phis(const Frame& frame, State& state, const Block& block);
-    std::optional<Value> read_phi(const Frame& frame, State& state, const Type& type, Cursor& cursor);
-    void branch(Frame& frame, State& state, Mask when, const std::string& target);
-    void add_return_state(Frame& frame, State& state, Value value);
-    std::optional<std::pair<State, Value>> run_function(const IrFunction& f, std::vector<Value> arguments, State state,
-                                                        int caller);
-    static Frame make_frame(const IrFunction& f, int caller);
-    void set_parameters(State& state, const IrFunction& f, const std::vector<Value>& arguments);
-    void run_blocks(Frame& frame);
-    Answer read_answer(const State& state);
+    int new_object(MemoryState& state, bool is_written = true);
+    Value load(MemoryState& state, const Value& pointer, std::size_t size);
+    Value load_from(const MemoryState& state, const PossibleValue& address, std::size_t size);
+    void store(MemoryState& state, const Value& pointer, std::size_t size, const Value& value);
+    void enter(CallFrame& frame, MemoryState state, const std::string& target);
+    std::vector<std::pair<std::string, Value>> read_phis(const CallFrame& frame, MemoryState& state,
+                                                         const Block& block);
+    std::optional<Value> read_phi(const CallFrame& frame, MemoryState& state, const Type& type, Cursor& cursor);
+    void branch(CallFrame& frame, MemoryState& state, Mask when, const std::string& target);
+    void add_return_state(CallFrame& frame, MemoryState& state, Value value);
+    std::optional<std::pair<MemoryState, Value>> run_function(const IrFunction& f, std::vector<Value> arguments,
+                                                              MemoryState state, int caller);
+    static CallFrame make_frame(const IrFunction& f, int caller);
+    void set_parameters(MemoryState& state, const IrFunction& f, const std::vector<Value>& arguments);
+    void run_blocks(CallFrame& frame);
+    Answer read_answer(const MemoryState& state);
 
     // Instructions
-    Value value(State& state, const Type& type, Cursor& cursor);
-    Value constant(State& state, const Type& type, Cursor& cursor);
-    Value read_composite(State& state, const Type& type, Cursor& cursor);
+    Value value(MemoryState& state, const Type& type, Cursor& cursor);
+    Value constant(MemoryState& state, const Type& type, Cursor& cursor);
+    Value read_composite(MemoryState& state, const Type& type, Cursor& cursor);
     Value read_byte_string(const Type& type, Cursor& cursor);
     Value read_integer(const Type& type, Cursor& cursor);
-    Value address_of(State& state, const std::string& global);
-    Value element_address(State& state, Cursor& cursor);
-    const Type* move_to_member(std::vector<Case>& addresses, const Type& structure, const std::vector<Case>& index);
-    std::vector<Case> move_by_items(const std::vector<Case>& addresses, const std::vector<Case>& item_counts,
-                                    std::size_t item_size);
+    Value address_of(MemoryState& state, const std::string& global);
+    Value element_address(MemoryState& state, Cursor& cursor);
+    const Type* move_to_member(std::vector<PossibleValue>& addresses, const Type& structure,
+                               const std::vector<PossibleValue>& index);
+    std::vector<PossibleValue> move_by_items(const std::vector<PossibleValue>& addresses,
+                                             const std::vector<PossibleValue>& item_counts, std::size_t item_size);
     NodeId read_literal(const Type& type, Cursor& cursor);
     /// Runs one instruction. Returns false if the block ends.
-    bool run_instruction(Frame& frame, State& state, std::string_view line);
-    bool call(State& state, const std::string& result, Cursor& cursor);
-    void invoke(Frame& frame, State& state, std::string_view line, const std::string& result, Cursor& cursor);
+    bool run_instruction(CallFrame& frame, MemoryState& state, std::string_view line);
+    bool call(MemoryState& state, const std::string& result, Cursor& cursor);
+    void invoke(CallFrame& frame, MemoryState& state, std::string_view line, const std::string& result, Cursor& cursor);
     void name_after_register(const std::string& register_name, const Value& value);
-    void end_block(Frame& frame, State& state, std::string_view op, Cursor& cursor);
-    void run_switch(Frame& frame, State& state, Cursor& cursor);
-    Value compute(State& state, std::string_view op, Cursor& cursor);
-    Value run_load(State& state, Cursor& cursor);
-    void run_store(State& state, Cursor& cursor);
-    Value run_select(State& state, Cursor& cursor);
-    Value arithmetic(State& state, std::string_view op, Cursor& cursor);
-    Value compare_numbers(State& state, Cursor& cursor);
-    Value compare_integers(State& state, Cursor& cursor);
+    void end_block(CallFrame& frame, MemoryState& state, std::string_view op, Cursor& cursor);
+    void run_switch(CallFrame& frame, MemoryState& state, Cursor& cursor);
+    Value compute(MemoryState& state, std::string_view op, Cursor& cursor);
+    Value run_load(MemoryState& state, Cursor& cursor);
+    void run_store(MemoryState& state, Cursor& cursor);
+    Value run_select(MemoryState& state, Cursor& cursor);
+    Value arithmetic(MemoryState& state, std::string_view op, Cursor& cursor);
+    Value compare_numbers(MemoryState& state, Cursor& cursor);
+    Value compare_integers(MemoryState& state, Cursor& cursor);
     Mask decide(std::string_view predicate, NodeId x, NodeId y, const Cursor& cursor);
     Mask decide(std::string_view predicate, const Value& a, const Value& b, const Type& type);
     template <class DecideLane>
     Value map_to_masks(const Type& type, const DecideLane& decide_lane);
-    Value integer_arithmetic(State& state, std::string_view op, Cursor& cursor);
+    Value integer_arithmetic(MemoryState& state, std::string_view op, Cursor& cursor);
     Value combine_integers(std::string_view op, const Type& type, const Value& a, const Value& b);
     std::optional<Value> bit_operation(std::string_view op, const Type& type, const Value& a, const Value& b);
     Value fill_with_zeros(const Value& value, std::size_t size);
     std::optional<Value> join_parts(const Type& type, const Value& a, const Value& b);
-    int combined_object(std::string_view op, const Case& x, const Case& y) const;
-    Value convert(State& state, std::string_view op, Cursor& cursor);
+    int combined_object(std::string_view op, const PossibleValue& x, const PossibleValue& y) const;
+    Value convert(MemoryState& state, std::string_view op, Cursor& cursor);
     Value convert_lane(std::string_view op, const Value& value, const Type& source, const Type& target);
     Value integer_to_number(bool is_signed, const Value& value, const Type& source, const Type& target);
     Value truncate_integer(const Value& value, const Type& source, const Type& target);
     Value extend_integer(bool with_zeros, const Value& value, const Type& source, const Type& target);
-    Value rearrange(State& state, std::string_view op, Cursor& cursor);
-    Value extract_lane(State& state, const Type& type, const Value& vector, Cursor& cursor);
+    Value rearrange(MemoryState& state, std::string_view op, Cursor& cursor);
+    Value extract_lane(MemoryState& state, const Type& type, const Value& vector, Cursor& cursor);
     Value shuffle(const Type& type, const Value& a, const Value& b, const Type& index_type, const Value& indices);
-    std::optional<Value> run_call_instruction(State& state, Cursor& cursor);
-    std::optional<Value> run_known_function(State& state, const std::string& name, const Type& type,
+    std::optional<Value> run_call_instruction(MemoryState& state, Cursor& cursor);
+    std::optional<Value> run_known_function(MemoryState& state, const std::string& name, const Type& type,
                                             const std::vector<Value>& arguments, const std::vector<const Type*>& types);
     std::optional<Value> run_number_function(const std::string& name, const Type& type,
                                              const std::vector<Value>& arguments);
     bool is_two(const Value& value) const;
-    std::optional<Value> run_memory_function(State& state, const std::string& name, const std::vector<Value>& arguments,
+    std::optional<Value> run_memory_function(MemoryState& state, const std::string& name,
+                                             const std::vector<Value>& arguments,
                                              const std::vector<const Type*>& types);
-    Value filled_bytes(const std::vector<Case>& byte, std::size_t n);
+    Value filled_bytes(const std::vector<PossibleValue>& byte, std::size_t n);
     std::optional<Value> run_llvm_function(const std::string& name, const Type& type,
                                            const std::vector<Value>& arguments, const std::vector<const Type*>& types);
     Value choose_by_comparison(std::string_view predicate, const Type& type, const Value& a, const Value& b);
-    std::string read_callee(State& state, Cursor& cursor);
-    std::vector<Value> read_arguments(State& state, Cursor& cursor, std::vector<const Type*>& types);
+    std::string read_callee(MemoryState& state, Cursor& cursor);
+    std::vector<Value> read_arguments(MemoryState& state, Cursor& cursor, std::vector<const Type*>& types);
     template <class Act>
     Value map_lanes(const Type& type, const Act& act);
 
     // Places and names
-    int place_of_line(std::string_view line, const Frame& frame);
+    int place_of_line(std::string_view line, const CallFrame& frame);
     int place_in_ir(std::string_view line, int caller);
     int place_of_location(int location, int caller, int depth = 0);
     void name_value(int variable, const Value& value, std::size_t first_byte, int depth);
     std::string member_path(int variable, std::size_t offset) const;
-    void handle_debug_record(State& state, std::string_view line, Cursor cursor, bool is_record);
+    void handle_debug_record(MemoryState& state, std::string_view line, Cursor cursor, bool is_record);
 
     Module& module_;
     Nodes& nodes_;

@@ -71,7 +71,7 @@ bool never_returns(const std::string& name) {
 // Calls
 
 /// Performs a call of an intrinsic or of a function of the C library. Returns nothing for any other function.
-std::optional<Value> Walk::run_known_function(State& state, const std::string& name, const Type& type,
+std::optional<Value> Walk::run_known_function(MemoryState& state, const std::string& name, const Type& type,
                                               const std::vector<Value>& arguments,
                                               const std::vector<const Type*>& types) {
     const bool returns_numbers =
@@ -136,12 +136,12 @@ bool Walk::is_two(const Value& value) const {
 }
 
 /// Performs memcpy, memmove and memset, which return the address of their target.
-std::optional<Value> Walk::run_memory_function(State& state, const std::string& name,
+std::optional<Value> Walk::run_memory_function(MemoryState& state, const std::string& name,
                                                const std::vector<Value>& arguments,
                                                const std::vector<const Type*>& types) {
     const bool copies = is_name_of(name, "memcpy") || is_name_of(name, "memmove");
     if (arguments.size() < 3 || (!copies && !is_name_of(name, "memset"))) return {};
-    const std::vector<Case> byte_counts = cases_of(arguments[2], *types[2]);
+    const std::vector<PossibleValue> byte_counts = cases_of(arguments[2], *types[2]);
     if (byte_counts.size() != 1 || byte_counts[0].value < 0 || byte_counts[0].value > (1 << 20))
         fail("the number of bytes that it copies or fills depends on numbers");
     const auto n = static_cast<std::size_t>(byte_counts[0].value);
@@ -153,7 +153,7 @@ std::optional<Value> Walk::run_memory_function(State& state, const std::string& 
     }
     if (n == 0) return arguments[0];
     const Value copied = load(state, arguments[1], n);
-    for (const Case& c : cases_of(arguments[0], *types[0]))
+    for (const PossibleValue& c : cases_of(arguments[0], *types[0]))
         if (const auto v = variables_.find(c.memory_object); v != variables_.end() && c.value >= 0)
             name_value(v->second.first, copied, static_cast<std::size_t>(c.value), v->second.second);
     store(state, arguments[0], n, copied);
@@ -161,7 +161,7 @@ std::optional<Value> Walk::run_memory_function(State& state, const std::string& 
 }
 
 /// Repeats a byte n times. Zeros are one integer, of any size.
-Value Walk::filled_bytes(const std::vector<Case>& byte, std::size_t n) {
+Value Walk::filled_bytes(const std::vector<PossibleValue>& byte, std::size_t n) {
     if (byte.size() == 1 && byte[0].value == 0) return integer_from_cases(byte, n);
     if (n > 4096) fail("it fills more than 4096 bytes with a value other than 0");
     Value filled;
@@ -210,15 +210,15 @@ std::optional<Value> Walk::run_llvm_function(const std::string& name, const Type
 
 /// Returns `a` where the predicate holds for a and b, and `b` elsewhere.
 Value Walk::choose_by_comparison(std::string_view predicate, const Type& type, const Value& a, const Value& b) {
-    std::vector<Case> chosen;
-    for (const Case& x : cases_of(a, type))
-        for (const Case& y : cases_of(b, type))
+    std::vector<PossibleValue> chosen;
+    for (const PossibleValue& x : cases_of(a, type))
+        for (const PossibleValue& y : cases_of(b, type))
             chosen.push_back({nodes_.logical_and(x.when, y.when), 0,
                               comparison_holds(predicate, x.value, y.value, type.bits) ? x.value : y.value});
     return integer_from_cases(merge_duplicates(std::move(chosen)), type.size);
 }
 
-std::optional<Value> Walk::run_call_instruction(State& state, Cursor& cursor) {
+std::optional<Value> Walk::run_call_instruction(MemoryState& state, Cursor& cursor) {
     // Reads `TYPE @NAME(TYPE ARGUMENT, ...)`.
     const int call_place = nodes_.place;
     skip_flags(cursor);
@@ -250,9 +250,10 @@ std::optional<Value> Walk::run_call_instruction(State& state, Cursor& cursor) {
 }
 
 /// Reads the function that is called: by its name, by an address that is known, or by its name in a cast.
-std::string Walk::read_callee(State& state, Cursor& cursor) {
+std::string Walk::read_callee(MemoryState& state, Cursor& cursor) {
     if (cursor.take("%")) {
-        const std::vector<Case> callee = cases_of(state.registers[cursor.take_name()], *module_.pointer_type());
+        const std::vector<PossibleValue> callee =
+            cases_of(state.registers[cursor.take_name()], *module_.pointer_type());
         const auto callee_name = function_objects_.find(callee[0].memory_object);
         if (callee.size() != 1 || callee_name == function_objects_.end())
             fail("a function that is chosen at run time (a virtual call or a pointer to a function) is not followed");
@@ -269,7 +270,7 @@ std::string Walk::read_callee(State& state, Cursor& cursor) {
 }
 
 /// Reads the arguments of a call in brackets, up to the first one that is metadata, and sets their types.
-std::vector<Value> Walk::read_arguments(State& state, Cursor& cursor, std::vector<const Type*>& types) {
+std::vector<Value> Walk::read_arguments(MemoryState& state, Cursor& cursor, std::vector<const Type*>& types) {
     Cursor argument_cursor(cursor.take_group());
     std::vector<Value> arguments;
     while (!argument_cursor.at_end()) {

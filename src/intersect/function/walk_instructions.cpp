@@ -23,7 +23,7 @@ std::string take_label(Cursor& cursor) {
 
 // Instructions
 
-bool Walk::run_instruction(Frame& frame, State& state, std::string_view line) {
+bool Walk::run_instruction(CallFrame& frame, MemoryState& state, std::string_view line) {
     if (++steps_ > max_steps) fail("the function takes too many steps on one ray");
     if (const int p = place_of_line(line, frame); p >= 0) nodes_.place = p;
     Cursor cursor(line);
@@ -64,7 +64,7 @@ bool Walk::run_instruction(Frame& frame, State& state, std::string_view line) {
 }
 
 /// Performs a call, and sets the register `result`. Returns false if the function does not return.
-bool Walk::call(State& state, const std::string& result, Cursor& cursor) {
+bool Walk::call(MemoryState& state, const std::string& result, Cursor& cursor) {
     std::optional<Value> answer = run_call_instruction(state, cursor);
     if (!answer) return false;
     if (!result.empty()) state.registers[result] = std::move(*answer);
@@ -72,7 +72,8 @@ bool Walk::call(State& state, const std::string& result, Cursor& cursor) {
 }
 
 /// Performs a call that ends its block, and enters the block to which the call returns. Exceptions are not followed.
-void Walk::invoke(Frame& frame, State& state, std::string_view line, const std::string& result, Cursor& cursor) {
+void Walk::invoke(CallFrame& frame, MemoryState& state, std::string_view line, const std::string& result,
+                  Cursor& cursor) {
     constexpr std::string_view mark = "to label %";
     const std::size_t normal = line.find(mark);
     if (normal == std::string_view::npos) cursor.fail("a call has no block to return to");
@@ -91,7 +92,7 @@ void Walk::name_after_register(const std::string& register_name, const Value& va
     if (s.kind == Scalar::Kind::number) nodes_.name_node(s.node, register_name, depth_);
 }
 
-void Walk::end_block(Frame& frame, State& state, std::string_view op, Cursor& cursor) {
+void Walk::end_block(CallFrame& frame, MemoryState& state, std::string_view op, Cursor& cursor) {
     if (op == "unreachable" || op == "resume") return;
     if (op == "ret") {
         const Type* const type = module_.read_type(cursor);
@@ -113,9 +114,9 @@ void Walk::end_block(Frame& frame, State& state, std::string_view op, Cursor& cu
 }
 
 /// Enters the targets of `switch TYPE VALUE, label %DEFAULT [ TYPE CONSTANT, label %TARGET ... ]`.
-void Walk::run_switch(Frame& frame, State& state, Cursor& cursor) {
+void Walk::run_switch(CallFrame& frame, MemoryState& state, Cursor& cursor) {
     const Type* const type = module_.read_type(cursor);
-    const std::vector<Case> cases = cases_of(value(state, *type, cursor), *type);
+    const std::vector<PossibleValue> cases = cases_of(value(state, *type, cursor), *type);
     cursor.expect(",");
     const std::string default_label = take_label(cursor);
 
@@ -142,7 +143,7 @@ void Walk::run_switch(Frame& frame, State& state, Cursor& cursor) {
     for (const auto& [target, when] : targets) branch(frame, state, when, target);
 }
 
-Value Walk::compute(State& state, std::string_view op, Cursor& cursor) {
+Value Walk::compute(MemoryState& state, std::string_view op, Cursor& cursor) {
     // Memory
     if (op == "alloca") {
         cursor.take("inalloca");
@@ -180,7 +181,7 @@ Value Walk::compute(State& state, std::string_view op, Cursor& cursor) {
 }
 
 /// Performs `load TYPE, ptr ADDRESS`.
-Value Walk::run_load(State& state, Cursor& cursor) {
+Value Walk::run_load(MemoryState& state, Cursor& cursor) {
     cursor.take("atomic");
     skip_flags(cursor);
     const Type* const type = module_.read_type(cursor);
@@ -190,7 +191,7 @@ Value Walk::run_load(State& state, Cursor& cursor) {
 }
 
 /// Performs `store TYPE VALUE, ptr ADDRESS`, and names the value after the variable at the address.
-void Walk::run_store(State& state, Cursor& cursor) {
+void Walk::run_store(MemoryState& state, Cursor& cursor) {
     cursor.take("atomic");
     skip_flags(cursor);
     const Type* const type = module_.read_type(cursor);
@@ -199,7 +200,7 @@ void Walk::run_store(State& state, Cursor& cursor) {
     const Type* const pointer = module_.read_type(cursor);
     const Value address = value(state, *pointer, cursor);
 
-    for (const Case& c : cases_of(address, *pointer)) {
+    for (const PossibleValue& c : cases_of(address, *pointer)) {
         const auto variable = variables_.find(c.memory_object);
         if (variable == variables_.end() || c.value < 0) continue;
         const auto& [variable_metadata, depth] = variable->second;
@@ -209,7 +210,7 @@ void Walk::run_store(State& state, Cursor& cursor) {
 }
 
 /// Performs `select CONDITION, TYPE A, TYPE B`. A vector of conditions selects lane by lane.
-Value Walk::run_select(State& state, Cursor& cursor) {
+Value Walk::run_select(MemoryState& state, Cursor& cursor) {
     skip_flags(cursor);
     const Type* const condition = module_.read_type(cursor);
     const Value when = value(state, *condition, cursor);
@@ -228,7 +229,7 @@ Value Walk::run_select(State& state, Cursor& cursor) {
     });
 }
 
-Value Walk::arithmetic(State& state, std::string_view op, Cursor& cursor) {
+Value Walk::arithmetic(MemoryState& state, std::string_view op, Cursor& cursor) {
     skip_flags(cursor);
     const Type* const type = module_.read_type(cursor);
     const Value a = value(state, *type, cursor);
@@ -268,7 +269,7 @@ Value Walk::map_to_masks(const Type& type, const DecideLane& decide_lane) {
     return masks;
 }
 
-Value Walk::compare_numbers(State& state, Cursor& cursor) {
+Value Walk::compare_numbers(MemoryState& state, Cursor& cursor) {
     skip_flags(cursor);
     const std::string_view predicate = cursor.take_word();
     const Type* const type = module_.read_type(cursor);
@@ -316,7 +317,7 @@ Mask Walk::decide(std::string_view predicate, NodeId x, NodeId y, const Cursor& 
     cursor.fail("a comparison is unknown");
 }
 
-Value Walk::compare_integers(State& state, Cursor& cursor) {
+Value Walk::compare_integers(MemoryState& state, Cursor& cursor) {
     skip_flags(cursor);
     const std::string_view predicate = cursor.take_word();
     const Type* const type = module_.read_type(cursor);
@@ -334,8 +335,8 @@ Value Walk::compare_integers(State& state, Cursor& cursor) {
 Mask Walk::decide(std::string_view predicate, const Value& a, const Value& b, const Type& type) {
     Mask mask = no;
     const int bits = type.kind == Type::Kind::pointer ? 64 : type.bits;
-    for (const Case& x : cases_of(a, type))
-        for (const Case& y : cases_of(b, type)) {
+    for (const PossibleValue& x : cases_of(a, type))
+        for (const PossibleValue& y : cases_of(b, type)) {
             bool result = false;
             if (x.memory_object == y.memory_object) result = comparison_holds(predicate, x.value, y.value, bits);
             else if (predicate == "eq" || predicate == "ne") result = predicate == "ne";

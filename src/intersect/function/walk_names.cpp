@@ -150,7 +150,7 @@ int Walk::place_of_location(int location, int caller, int depth) {
     return index;
 }
 
-int Walk::place_of_line(std::string_view line, const Frame& frame) {
+int Walk::place_of_line(std::string_view line, const CallFrame& frame) {
     constexpr std::string_view dbg_marker = "!dbg !";
     const std::size_t marker_at = line.rfind(dbg_marker);
     if (marker_at != std::string_view::npos)
@@ -230,7 +230,7 @@ void Walk::name_value(int variable, const Value& value, std::size_t first_byte, 
 }
 
 /// Handles `llvm.dbg.declare`, `llvm.dbg.value`, and the records that replace them since LLVM 19.
-void Walk::handle_debug_record(State& state, std::string_view line, Cursor cursor, bool is_record) {
+void Walk::handle_debug_record(MemoryState& state, std::string_view line, Cursor cursor, bool is_record) {
     const bool is_memory =
         line.find("dbg_declare") != std::string_view::npos || line.find("@llvm.dbg.declare") != std::string_view::npos;
     const bool is_value =
@@ -257,7 +257,8 @@ void Walk::handle_debug_record(State& state, std::string_view line, Cursor curso
 
     if (is_memory) {
         if (line.find("DIExpression()") == std::string_view::npos) return;
-        for (const Case& c : cases_of(stored_register->second, *type)) variables_[c.memory_object] = {variable, depth};
+        for (const PossibleValue& c : cases_of(stored_register->second, *type))
+            variables_[c.memory_object] = {variable, depth};
     } else if (const auto first_byte = read_fragment_offset(line)) {
         name_value(variable, stored_register->second, *first_byte, depth);
     }

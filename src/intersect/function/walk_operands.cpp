@@ -45,7 +45,7 @@ private:
 
 // Values
 
-Value Walk::integer_from_cases(std::vector<Case> cases, std::size_t size) const {
+Value Walk::integer_from_cases(std::vector<PossibleValue> cases, std::size_t size) const {
     return {{0, {size, {.kind = Scalar::Kind::integer, .cases = std::move(cases)}}}};
 }
 
@@ -64,7 +64,7 @@ std::optional<NodeId> Walk::number_from_bits(const Scalar& scalar, std::size_t s
     if (scalar.kind != Scalar::Kind::integer || (size != 4 && size != 8)) return {};
     NodeId result = no_node;
     for (std::size_t k = scalar.cases.size(); k-- > 0;) {
-        const Case& c = scalar.cases[k];
+        const PossibleValue& c = scalar.cases[k];
         if (c.memory_object != 0) return {};
         const double x = size == 4 ? std::bit_cast<float>(static_cast<std::uint32_t>(c.value))
                                    : std::bit_cast<double>(static_cast<std::uint64_t>(c.value));
@@ -92,12 +92,12 @@ NodeId Walk::number_of(const Value& value, const Type& type) {
     fail("a number that is assembled from the bits of other values is not followed");
 }
 
-std::vector<Case> Walk::merge_duplicates(std::vector<Case> cases) {
-    std::vector<Case> result;
-    for (const Case& c : cases) {
+std::vector<PossibleValue> Walk::merge_duplicates(std::vector<PossibleValue> cases) {
+    std::vector<PossibleValue> result;
+    for (const PossibleValue& c : cases) {
         if (c.when == no) continue;
         const auto duplicate = std::ranges::find_if(
-            result, [&c](const Case& f) { return f.memory_object == c.memory_object && f.value == c.value; });
+            result, [&c](const PossibleValue& f) { return f.memory_object == c.memory_object && f.value == c.value; });
         if (duplicate == result.end()) result.push_back(c);
         else duplicate->when = nodes_.logical_or(duplicate->when, c.when);
         if (result.size() > max_cases) fail("an integer that depends on numbers takes too many values");
@@ -107,7 +107,7 @@ std::vector<Case> Walk::merge_duplicates(std::vector<Case> cases) {
     return result;
 }
 
-std::vector<Case> Walk::cases_of(const Value& value, const Type& type) {
+std::vector<PossibleValue> Walk::cases_of(const Value& value, const Type& type) {
     if (value.empty()) return {{yes, 0, 0}};  // undefined
     const Scalar& first_scalar = value.begin()->second.scalar;
     if (first_scalar.kind == Scalar::Kind::lost) fail(first_scalar.reason);
@@ -118,15 +118,15 @@ std::vector<Case> Walk::cases_of(const Value& value, const Type& type) {
     // Joins adjacent bytes to one integer.
     if (type.size > 8 || type.size == 0 || std::prev(value.end())->first >= 8)
         fail("integers of more than 64 bits are not followed");
-    std::vector<Case> result{{yes, 0, 0}};
+    std::vector<PossibleValue> result{{yes, 0, 0}};
     for (const auto& [offset, cell] : value) {
-        const std::vector<Case> cell_cases = cases_of_cell(cell);
+        const std::vector<PossibleValue> cell_cases = cases_of_cell(cell);
         if (!cell_cases.empty()) result = insert_bytes(result, cell_cases, offset, cell.size);
     }
 
     // Integers of this class are stored sign-extended.
     if (type.size < 8)
-        for (Case& c : result) {
+        for (PossibleValue& c : result) {
             const auto shift = static_cast<int>(64 - 8 * type.size);
             c.value = static_cast<std::int64_t>(static_cast<std::uint64_t>(c.value) << shift) >> shift;
         }
@@ -135,7 +135,7 @@ std::vector<Case> Walk::cases_of(const Value& value, const Type& type) {
 
 /// Returns the possible values of a cell's bytes as an integer; empty if they are undefined. A floating-point number
 /// must be a constant.
-std::vector<Case> Walk::cases_of_cell(const MemoryCell& cell) const {
+std::vector<PossibleValue> Walk::cases_of_cell(const MemoryCell& cell) const {
     if (cell.scalar.kind == Scalar::Kind::integer) return cell.scalar.cases;
     if (cell.scalar.kind == Scalar::Kind::number && nodes_[cell.scalar.node].op == TapeOp::constant) {
         const double x = nodes_[cell.scalar.node].value;
@@ -150,11 +150,12 @@ std::vector<Case> Walk::cases_of_cell(const MemoryCell& cell) const {
 }
 
 /// Sets the bytes from `offset` on of each of the integers to each of the values of a cell.
-std::vector<Case> Walk::insert_bytes(const std::vector<Case>& integers, const std::vector<Case>& cell_cases,
-                                     std::size_t offset, std::size_t size) {
-    std::vector<Case> combined;
-    for (const Case& a : integers)
-        for (const Case& b : cell_cases) {
+std::vector<PossibleValue> Walk::insert_bytes(const std::vector<PossibleValue>& integers,
+                                              const std::vector<PossibleValue>& cell_cases, std::size_t offset,
+                                              std::size_t size) {
+    std::vector<PossibleValue> combined;
+    for (const PossibleValue& a : integers)
+        for (const PossibleValue& b : cell_cases) {
             if (b.memory_object != 0) fail("an operation on the bytes of an address is not followed");
             const std::uint64_t shifted = (static_cast<std::uint64_t>(b.value) & low_bits(size)) << 8 * offset;
             combined.push_back({nodes_.logical_and(a.when, b.when), 0,
@@ -165,7 +166,7 @@ std::vector<Case> Walk::insert_bytes(const std::vector<Case>& integers, const st
 
 Mask Walk::mask_of(const Value& value) {
     Mask mask = no;
-    for (const Case& c : cases_of(value, *module_.integer_type(8)))
+    for (const PossibleValue& c : cases_of(value, *module_.integer_type(8)))
         if ((c.value & 1) != 0) mask = nodes_.logical_or(mask, c.when);
     return mask;
 }
@@ -184,8 +185,8 @@ std::optional<Scalar> Walk::slice(const Scalar& scalar, std::size_t size, std::s
     }
 
     // Moves the bytes to the front, and extends the sign.
-    std::vector<Case> cases;
-    for (Case c : bits.cases) {
+    std::vector<PossibleValue> cases;
+    for (PossibleValue c : bits.cases) {
         if (c.memory_object != 0) return {};
         const std::uint64_t shifted = first_byte >= 8 ? 0 : static_cast<std::uint64_t>(c.value) >> 8 * first_byte;
         const auto shift = static_cast<int>(64 - 8 * std::min<std::size_t>(count, 8));
@@ -241,9 +242,10 @@ Scalar Walk::join(Mask when, const Scalar& a, const Scalar& b, std::size_t size)
 
     // Two integers: the values of both, each under its side of the decision.
     if (a.kind == Kind::integer && b.kind == Kind::integer) {
-        std::vector<Case> cases;
-        for (const Case& c : a.cases) cases.push_back({nodes_.logical_and(when, c.when), c.memory_object, c.value});
-        for (const Case& c : b.cases)
+        std::vector<PossibleValue> cases;
+        for (const PossibleValue& c : a.cases)
+            cases.push_back({nodes_.logical_and(when, c.when), c.memory_object, c.value});
+        for (const PossibleValue& c : b.cases)
             cases.push_back({nodes_.logical_and(nodes_.logical_not(when), c.when), c.memory_object, c.value});
         if (cases.size() > max_cases)
             return {.kind = Kind::lost, .reason = "an integer that depends on numbers takes too many values"};
@@ -280,7 +282,7 @@ NodeId Walk::read_literal(const Type& type, Cursor& cursor) {
     return nodes_.constant(x, type.bits > nodes_.bits());
 }
 
-Value Walk::address_of(State& state, const std::string& name) {
+Value Walk::address_of(MemoryState& state, const std::string& name) {
     const auto [known_object, is_new] = global_objects_.try_emplace(name, 0);
     if (is_new) {
         known_object->second = new_object(state, false);
@@ -303,7 +305,7 @@ Value Walk::address_of(State& state, const std::string& name) {
 
 /// Reads the operands of getelementptr in an instruction or in a constant, such as `(TYPE, ptr BASE, i64 0, i32 1)`,
 /// and returns the address.
-Value Walk::element_address(State& state, Cursor& cursor) {
+Value Walk::element_address(MemoryState& state, Cursor& cursor) {
     skip_flags(cursor);
     if (cursor.take("inrange")) cursor.take_group();
     const bool is_constant = cursor.take("(");
@@ -313,14 +315,14 @@ Value Walk::element_address(State& state, Cursor& cursor) {
     cursor.expect(",");
     const Type* const pointer = module_.read_type(cursor);
     if (pointer->is_vector) fail("vectors of addresses are not followed");
-    std::vector<Case> cases = cases_of(value(state, *pointer, cursor), *pointer);
+    std::vector<PossibleValue> cases = cases_of(value(state, *pointer, cursor), *pointer);
 
     // The first index moves by whole objects of the type. Each later index selects a part.
     for (bool is_first = true; cursor.take(","); is_first = false) {
         if (cursor.peek() == '!') break;
         cursor.take("inrange");
         const Type* const index_type = module_.read_type(cursor);
-        const std::vector<Case> index = cases_of(value(state, *index_type, cursor), *index_type);
+        const std::vector<PossibleValue> index = cases_of(value(state, *index_type, cursor), *index_type);
 
         if (!is_first && type->kind == Type::Kind::structure) {
             type = move_to_member(cases, *type, index);
@@ -338,29 +340,31 @@ Value Walk::element_address(State& state, Cursor& cursor) {
 }
 
 /// Moves addresses of a structure to one of its members, and returns the type of the member.
-const Type* Walk::move_to_member(std::vector<Case>& addresses, const Type& structure, const std::vector<Case>& index) {
+const Type* Walk::move_to_member(std::vector<PossibleValue>& addresses, const Type& structure,
+                                 const std::vector<PossibleValue>& index) {
     std::size_t offset = 0;
     const Type* const member = index.size() == 1 && index[0].value >= 0
                                    ? structure.part(static_cast<std::size_t>(index[0].value), offset)
                                    : nullptr;
     if (member == nullptr) fail("an address is outside of its type");
-    for (Case& a : addresses) a.value = static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) + offset);
+    for (PossibleValue& a : addresses)
+        a.value = static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) + offset);
     return member;
 }
 
 /// Moves each of the addresses by each of the numbers of items.
-std::vector<Case> Walk::move_by_items(const std::vector<Case>& addresses, const std::vector<Case>& item_counts,
-                                      std::size_t item_size) {
-    std::vector<Case> moved;
-    for (const Case& a : addresses)
-        for (const Case& n : item_counts)
+std::vector<PossibleValue> Walk::move_by_items(const std::vector<PossibleValue>& addresses,
+                                               const std::vector<PossibleValue>& item_counts, std::size_t item_size) {
+    std::vector<PossibleValue> moved;
+    for (const PossibleValue& a : addresses)
+        for (const PossibleValue& n : item_counts)
             moved.push_back({nodes_.logical_and(a.when, n.when), a.memory_object,
                              static_cast<std::int64_t>(static_cast<std::uint64_t>(a.value) +
                                                        static_cast<std::uint64_t>(n.value) * item_size)});
     return merge_duplicates(std::move(moved));
 }
 
-Value Walk::constant(State& state, const Type& type, Cursor& cursor) {
+Value Walk::constant(MemoryState& state, const Type& type, Cursor& cursor) {
     const NestingCounter nesting(nesting_);
     if (nesting_ > 100) cursor.fail("a constant is nested too deeply");
 
@@ -401,7 +405,7 @@ Value Walk::constant(State& state, const Type& type, Cursor& cursor) {
 }
 
 /// Reads a structure `{TYPE VALUE, ...}`, a packed structure `<{...}>`, an array `[...]` or a vector `<...>`.
-Value Walk::read_composite(State& state, const Type& type, Cursor& cursor) {
+Value Walk::read_composite(MemoryState& state, const Type& type, Cursor& cursor) {
     const bool may_be_packed = cursor.peek() == '<';
     Cursor inside(cursor.take_group());
     if (may_be_packed && inside.peek() == '{') inside = Cursor(inside.take_group());
@@ -451,7 +455,7 @@ Value Walk::read_integer(const Type& type, Cursor& cursor) {
     return integer(wrap(u, type.bits), type);
 }
 
-Value Walk::value(State& state, const Type& type, Cursor& cursor) {
+Value Walk::value(MemoryState& state, const Type& type, Cursor& cursor) {
     if (cursor.rest().size() > 2'000'000) cursor.fail("a line is too long");
     module_.skip_attributes(cursor);
     if (cursor.take("%")) {

@@ -118,9 +118,9 @@ Value Walk::combine_integers(std::string_view op, const Type& type, const Value&
     }
 
     // Every value of one integer with every value of the other.
-    std::vector<Case> cases;
-    for (const Case& x : cases_of(a, type))
-        for (const Case& y : cases_of(b, type)) {
+    std::vector<PossibleValue> cases;
+    for (const PossibleValue& x : cases_of(a, type))
+        for (const PossibleValue& y : cases_of(b, type)) {
             const int memory_object = combined_object(op, x, y);
             const auto result = integer_result(op, x.value, y.value, type.bits);
             if (!result && nodes_.logical_and(x.when, y.when) == yes) fail("an integer is divided by zero");
@@ -131,7 +131,7 @@ Value Walk::combine_integers(std::string_view op, const Type& type, const Value&
 
 /// Returns the object into which the result of an operation points; 0 for an integer. The difference of two addresses
 /// in one object is an integer, and so is an address under a mask below 16.
-int Walk::combined_object(std::string_view op, const Case& x, const Case& y) const {
+int Walk::combined_object(std::string_view op, const PossibleValue& x, const PossibleValue& y) const {
     if (x.memory_object == 0 && y.memory_object == 0) return 0;
     const bool keeps_object =
         (op == "add" && (x.memory_object == 0 || y.memory_object == 0)) || (op == "sub" && y.memory_object == 0);
@@ -142,7 +142,7 @@ int Walk::combined_object(std::string_view op, const Case& x, const Case& y) con
     return 0;
 }
 
-Value Walk::integer_arithmetic(State& state, std::string_view op, Cursor& cursor) {
+Value Walk::integer_arithmetic(MemoryState& state, std::string_view op, Cursor& cursor) {
     skip_flags(cursor);
     const Type* const type = module_.read_type(cursor);
     const Value a = value(state, *type, cursor);
@@ -155,7 +155,7 @@ Value Walk::integer_arithmetic(State& state, std::string_view op, Cursor& cursor
 }
 
 /// Reads and performs a conversion, `TYPE VALUE to TYPE`.
-Value Walk::convert(State& state, std::string_view op, Cursor& cursor) {
+Value Walk::convert(MemoryState& state, std::string_view op, Cursor& cursor) {
     skip_flags(cursor);
     const Type* const source_type = module_.read_type(cursor);
     const Value x = value(state, *source_type, cursor);
@@ -205,7 +205,7 @@ Value Walk::integer_to_number(bool is_signed, const Value& value, const Type& so
     if (target.kind != Type::Kind::number || target.bits < nodes_.bits())
         fail("numbers of a type other than float and double are not followed");
     NodeId result = no_node;
-    for (const Case& c : cases_of(value, source)) {
+    for (const PossibleValue& c : cases_of(value, source)) {
         if (c.memory_object != 0) fail("an address becomes a number");
         const double d = is_signed && source.bits > 1 ? static_cast<double>(c.value)
                                                       : static_cast<double>(as_unsigned(c.value, source.bits));
@@ -220,7 +220,7 @@ Value Walk::integer_to_number(bool is_signed, const Value& value, const Type& so
 Value Walk::truncate_integer(const Value& value, const Type& source, const Type& target) {
     if (target.bits != 1) return extract_bytes(value, 0, target.size);
     Mask is_odd = no;
-    for (const Case& c : cases_of(value, source))
+    for (const PossibleValue& c : cases_of(value, source))
         if ((c.value & 1) != 0) is_odd = nodes_.logical_or(is_odd, c.when);
     return integer_from_mask(is_odd);
 }
@@ -236,15 +236,15 @@ Value Walk::extend_integer(bool with_zeros, const Value& value, const Type& sour
         return result;
     }
 
-    std::vector<Case> cases = cases_of(value, source);
-    for (Case& c : cases) {
+    std::vector<PossibleValue> cases = cases_of(value, source);
+    for (PossibleValue& c : cases) {
         if (with_zeros) c.value = static_cast<std::int64_t>(as_unsigned(c.value, source.bits));
         else if (source.bits == 1) c.value = -c.value;
     }
     return integer_from_cases(std::move(cases), target.size);
 }
 
-Value Walk::rearrange(State& state, std::string_view op, Cursor& cursor) {
+Value Walk::rearrange(MemoryState& state, std::string_view op, Cursor& cursor) {
     // Operations on one value.
     const Type* const type = module_.read_type(cursor);
     Value a = value(state, *type, cursor);
@@ -268,7 +268,7 @@ Value Walk::rearrange(State& state, std::string_view op, Cursor& cursor) {
     cursor.expect(",");
     const Type* const third_type = module_.read_type(cursor);
     if (op == "insertelement") {
-        const std::vector<Case> index = cases_of(value(state, *third_type, cursor), *third_type);
+        const std::vector<PossibleValue> index = cases_of(value(state, *third_type, cursor), *third_type);
         std::size_t target_offset = 0;
         if (index.size() != 1 || index[0].value < 0 ||
             type->part(static_cast<std::size_t>(index[0].value), target_offset) == nullptr)
@@ -282,11 +282,11 @@ Value Walk::rearrange(State& state, std::string_view op, Cursor& cursor) {
 }
 
 /// Reads an index, and selects the lane that it names.
-Value Walk::extract_lane(State& state, const Type& type, const Value& vector, Cursor& cursor) {
+Value Walk::extract_lane(MemoryState& state, const Type& type, const Value& vector, Cursor& cursor) {
     const Type* const index_type = module_.read_type(cursor);
-    const std::vector<Case> index = cases_of(value(state, *index_type, cursor), *index_type);
+    const std::vector<PossibleValue> index = cases_of(value(state, *index_type, cursor), *index_type);
     std::optional<Value> result;
-    for (const Case& c : index) {
+    for (const PossibleValue& c : index) {
         std::size_t offset = 0;
         const Type* const lane = c.value < 0 ? nullptr : type.part(static_cast<std::size_t>(c.value), offset);
         if (lane == nullptr) fail("an index is outside of its vector");

@@ -77,7 +77,7 @@ std::string c_wrapper(const UserSignature& signature, const std::string& path) {
     }
 
     // The answers, from the result or from the buffers.
-    const auto address_of = [&](const Slot& slot) {
+    const auto address_of = [&](const NumberSlot& slot) {
         const std::string base = slot.argument < 0 ? "(unsigned char*)&" + result : buffer_name(slot.argument);
         return base + " + " + std::to_string(slot.offset);
     };
@@ -85,7 +85,7 @@ std::string c_wrapper(const UserSignature& signature, const std::string& path) {
         text += "    { unsigned long long lb_v = 0; __builtin_memcpy(&lb_v, " + address_of(*signature.hit) + ", " +
                 std::to_string(signature.hit->size) + "); *lb_hit = lb_v != 0; }\n";
     int k = 0;
-    for (const std::optional<Slot>& slot : {signature.t, signature.far}) {
+    for (const std::optional<NumberSlot>& slot : {signature.t, signature.far}) {
         if (slot)
             text += "    { " + source_number_type(slot->size, signature.language) + " lb_v; __builtin_memcpy(&lb_v, " +
                     address_of(*slot) + ", sizeof lb_v); lb_out[" + std::to_string(k) + "] = (" + number + ")lb_v; }\n";
@@ -139,14 +139,14 @@ std::string rust_wrapper(const UserSignature& signature, const std::string& text
 
     // The answers, from the result or from the buffers.
     const std::string result = signature.hit_is_optional ? "lb_value" : "lb_r";
-    const auto address_of = [&](const Slot& slot) {
+    const auto address_of = [&](const NumberSlot& slot) {
         const std::string base = slot.argument < 0 ? "(&" + result + " as *const _ as *const u8)"
                                                    : buffer_name(slot.argument) + ".0.as_ptr()";
         return base + ".add(" + std::to_string(slot.offset) + ")";
     };
     if (signature.hit) text += "    *lb_hit = (*" + address_of(*signature.hit) + " != 0) as i32;\n";
     int k = 0;
-    for (const std::optional<Slot>& slot : {signature.t, signature.far}) {
+    for (const std::optional<NumberSlot>& slot : {signature.t, signature.far}) {
         if (slot)
             text += "    *lb_out.add(" + std::to_string(k) + ") = *(" + address_of(*slot) + " as *const " +
                     source_number_type(slot->size, signature.language) + ") as " + number + ";\n";
@@ -307,10 +307,10 @@ void write_answers(const UserSignature& signature, const std::string& message_pr
     const SourceType* const value = signature.hit_is_optional ? &signature.returned.parts[0] : nullptr;
     if (value != nullptr && signature.returned.flag_size == 0)
         throw InputError(message_prefix + ": the layout of its optional result is unknown");
-    const auto array_of = [&](const Slot& slot) {
+    const auto array_of = [&](const NumberSlot& slot) {
         return slot.argument < 0 ? result : static_cast<std::size_t>(slot.argument);
     };
-    const auto offset_of = [&](const Slot& slot) {
+    const auto offset_of = [&](const NumberSlot& slot) {
         return slot.offset + (slot.argument < 0 && value ? value->offset : 0);
     };
 
@@ -331,7 +331,7 @@ void write_answers(const UserSignature& signature, const std::string& message_pr
     const std::size_t size = static_cast<std::size_t>(signature.bits) / 8;
     const std::string number = ir_number_type(size);
     std::size_t k = 0;
-    for (const std::optional<Slot>& slot : {signature.t, signature.far}) {
+    for (const std::optional<NumberSlot>& slot : {signature.t, signature.far}) {
         if (slot) {
             const std::string t = writer.load(array_of(*slot), offset_of(*slot), ir_number_type(slot->size));
             const std::string address = writer.item_address("%out", number, k);

@@ -141,15 +141,15 @@ std::vector<int> child_processes() {
     return process_ids;
 }
 
-Child::Child(const std::string& command, ChildOptions options) : options_(std::move(options)) {
+ChildProcess::ChildProcess(const std::string& command, ChildOptions options) : options_(std::move(options)) {
     start({"/bin/sh", "-c", command}, StandardError::inherited);
 }
 
-Child::Child(const ProgramArguments& program, ChildOptions options) : options_(std::move(options)) {
+ChildProcess::ChildProcess(const ProgramArguments& program, ChildOptions options) : options_(std::move(options)) {
     start(program, StandardError::output);
 }
 
-void Child::start(ProgramArguments program, StandardError errors) {
+void ChildProcess::start(ProgramArguments program, StandardError errors) {
     const auto to_child = make_pipe(), from_child = make_pipe();
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
@@ -174,7 +174,7 @@ void Child::start(ProgramArguments program, StandardError errors) {
     signal(SIGPIPE, SIG_IGN);  // writing to a child that has ended becomes an error of write()
 }
 
-Child::~Child() {
+ChildProcess::~ChildProcess() {
     if (input_ >= 0) close(input_);
     if (output_ >= 0) close(output_);
     if (process_ <= 0) return;
@@ -182,7 +182,7 @@ Child::~Child() {
     end_process_group(process_);
 }
 
-std::string Child::end_and_describe() {
+std::string ChildProcess::end_and_describe() {
     if (process_ <= 0 || !ends_within(process_, std::chrono::milliseconds(200))) return "";
     const int status = end_process_group(process_);
     process_ = -1;
@@ -194,18 +194,18 @@ std::string Child::end_and_describe() {
                        : " (it ended with status " + std::to_string(code) + ")";
 }
 
-void Child::fail(const std::string& problem) {
+void ChildProcess::fail(const std::string& problem) {
     const std::string ending = output_ended_ ? end_and_describe() : "";
     throw EnvironmentError(options_.who + ": " + (subject_.empty() ? "" : subject_ + " ") + problem + ending);
 }
 
-void Child::fail_after_time_limit() {
+void ChildProcess::fail_after_time_limit() {
     fail("has not answered within the time limit; " +
          (options_.timeout_advice.empty() ? "" : options_.timeout_advice + "; ") +
          "raise --time-limit SECONDS if it needs longer");
 }
 
-void Child::wait_for(short events_of_input, Clock::time_point deadline, bool& can_write, bool& can_read) {
+void ChildProcess::wait_for(short events_of_input, Clock::time_point deadline, bool& can_write, bool& can_read) {
     for (;;) {
         options_.stop.check();
         std::array<pollfd, 2> polled_ends{{{output_, POLLIN, 0}, {events_of_input ? input_ : -1, events_of_input, 0}}};
@@ -223,7 +223,7 @@ void Child::wait_for(short events_of_input, Clock::time_point deadline, bool& ca
     }
 }
 
-void Child::write_some(std::span<const std::byte>& request) {
+void ChildProcess::write_some(std::span<const std::byte>& request) {
     const ssize_t written = ::write(input_, request.data(), request.size());
     if (written >= 0) {
         request = request.subspan(static_cast<std::size_t>(written));
@@ -235,7 +235,7 @@ void Child::write_some(std::span<const std::byte>& request) {
     }
 }
 
-std::size_t Child::read_some(std::span<std::byte> buffer) {
+std::size_t ChildProcess::read_some(std::span<std::byte> buffer) {
     const ssize_t received = ::read(output_, buffer.data(), buffer.size());
     if (received > 0) return static_cast<std::size_t>(received);
     if (received < 0 && (errno == EAGAIN || errno == EINTR)) return 0;
@@ -243,7 +243,7 @@ std::size_t Child::read_some(std::span<std::byte> buffer) {
     fail("ended before it had written a whole answer");
 }
 
-void Child::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
+void ChildProcess::exchange(std::span<const std::byte> request, std::span<std::byte> answer) {
     const auto deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.seconds));
     if (!request.empty()) write_some(request);  // most requests fit into the pipe at once and need no poll
@@ -264,10 +264,10 @@ void Child::exchange(std::span<const std::byte> request, std::span<std::byte> an
     }
 }
 
-Child::EndResult Child::read_to_end() {
+ChildProcess::ChildEnd ChildProcess::read_to_end() {
     const auto deadline =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options_.seconds));
-    EndResult result{};
+    ChildEnd result{};
     close(std::exchange(input_, -1));
 
     for (std::array<char, 4096> buffer;;) {
@@ -289,9 +289,9 @@ Child::EndResult Child::read_to_end() {
     return result;
 }
 
-void Child::read(std::span<std::byte> answer) { exchange({}, answer); }
+void ChildProcess::read(std::span<std::byte> answer) { exchange({}, answer); }
 
-std::string Child::read_line() {
+std::string ChildProcess::read_line() {
     std::string line;
     for (;;) {
         std::byte character{};

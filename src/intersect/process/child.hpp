@@ -33,18 +33,18 @@ using ProgramArguments = std::vector<std::string>;
 /// The program and its arguments as one would type them in a shell.
 [[nodiscard]] std::string shell_command(const ProgramArguments& arguments);
 
-class Child {
+class ChildProcess {
 public:
     /// Starts `command` by the shell, in a process group of its own; its standard error is ours. Throws
     /// EnvironmentError if the command cannot be started.
-    Child(const std::string& command, ChildOptions options);
+    ChildProcess(const std::string& command, ChildOptions options);
     /// Starts a program without a shell; its standard error becomes a part of its output.
-    Child(const ProgramArguments& program, ChildOptions options);
+    ChildProcess(const ProgramArguments& program, ChildOptions options);
     /// Closes the input of the process, which tells it to end. If the process does not end within a second, a signal
     /// ends it. Processes that are left in its group are ended, too.
-    ~Child();
-    Child(const Child&) = delete;
-    Child& operator=(const Child&) = delete;
+    ~ChildProcess();
+    ChildProcess(const ChildProcess&) = delete;
+    ChildProcess& operator=(const ChildProcess&) = delete;
 
     /// Reads a line of the child's output, without the end of the line. Throws EnvironmentError if there is no line
     /// within the time limit, or if the line is longer than 4096 bytes.
@@ -54,13 +54,13 @@ public:
     /// Reads exactly the size of `answer`.
     void read(std::span<std::byte> answer);
 
-    struct EndResult {
+    struct ChildEnd {
         std::string output;
         int status;  ///< as returned by waitpid
     };
     /// Reads until the output and the process have ended, with one time limit for both. Processes that the child
     /// started are ended, too.
-    EndResult read_to_end();
+    ChildEnd read_to_end();
 
     /// Sets the subject that messages about the following requests name, such as a form.
     void set_subject(const std::string& subject) { subject_ = subject; }

@@ -140,10 +140,10 @@ bool FloatingPointState::parse_differences(const std::string& names, FloatingPoi
 void require_standard(const char* what) {
     const FloatingPointState now = FloatingPointState::current();
     if (now == FloatingPointState::standard()) return;
-    throw Error(Exit::internal, std::string(what) + ": this thread does not compute as IEEE 754 asks (" +
-                                    now.differences() +
-                                    "), so nothing can be proved; some code changed that and did not restore it. To "
-                                    "find that code, leave out --plugin and LD_PRELOAD");
+    throw Error(ExitStatus::internal,
+                std::string(what) + ": this thread does not compute as IEEE 754 asks (" + now.differences() +
+                    "), so nothing can be proved; some code changed that and did not restore it. To "
+                    "find that code, leave out --plugin and LD_PRELOAD");
 }
 
 }  // namespace lostbits::intersect::process

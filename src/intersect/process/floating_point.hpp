@@ -47,8 +47,8 @@ private:
     FloatingPointState state_before_;
 };
 
-/// Throws Error with Exit::internal, which names `what`, unless the thread has the standard state: an enclosure is not
-/// valid if the processor rounds otherwise or has no subnormal numbers. Takes some ten nanoseconds.
+/// Throws Error with ExitStatus::internal, which names `what`, unless the thread has the standard state: an enclosure
+/// is not valid if the processor rounds otherwise or has no subnormal numbers. Takes some ten nanoseconds.
 void require_standard(const char* what);
 
 }  // namespace lostbits::intersect::process

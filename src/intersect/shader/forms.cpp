@@ -10,20 +10,20 @@
 
 namespace lostbits::intersect::shader {
 
-using device::Buffer;
 using device::CompileError;
 using device::Device;
+using device::DeviceBuffer;
 using device::DeviceDescription;
 using device::DeviceLimits;
+using device::DeviceProgram;
 using device::group_size;
-using device::Program;
 
 namespace {
 
 /// One compiled function, with the buffers for a batch.
 class Runner {
 public:
-    Runner(std::shared_ptr<Device> target_device, std::shared_ptr<Program> program, const ShaderSource& shader)
+    Runner(std::shared_ptr<Device> target_device, std::shared_ptr<DeviceProgram> program, const ShaderSource& shader)
         : device_(std::move(target_device)),
           program_(std::move(program)),
           shape_(shader.signature.shape),
@@ -58,7 +58,7 @@ private:
         const bool has_own_primitives = batch.primitive_stride != 0;
         S* const near_far = static_cast<S*>(batch.near_far) + 2 * begin;
         const S no_number = 0;
-        const std::array<Buffer, BufferBinding::binding_count> buffers{{
+        const std::array<DeviceBuffer, BufferBinding::binding_count> buffers{{
             {std::as_writable_bytes(std::span(&kernel_head, 1))},
             {bytes_at<S>(batch.rays, 6 * begin, 6 * n)},
             {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_number, 0, 1)},
@@ -85,14 +85,14 @@ private:
     }
 
     std::shared_ptr<Device> device_;
-    std::shared_ptr<Program> program_;
+    std::shared_ptr<DeviceProgram> program_;
     Shape shape_;
     Signature::Answers answers_;
     MissSentinel miss_sentinel_;
     std::vector<std::uint32_t> hits_;
 };
 
-std::shared_ptr<Program> compile(const ShaderSource& shader, Device& target_device, int bits) {
+std::shared_ptr<DeviceProgram> compile(const ShaderSource& shader, Device& target_device, int bits) {
     try {
         return target_device.compile(program_text(shader, bits, target_device.limits().glsl),
                                      shader.is_hlsl ? device::Language::hlsl : device::Language::glsl);

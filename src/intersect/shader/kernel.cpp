@@ -276,7 +276,7 @@ std::string converted_number(std::string_view number, bool to_doubles) {
 
 }  // namespace
 
-std::string to_precision(const std::string& text, bool to_doubles) {
+std::string convert_precision(const std::string& text, bool to_doubles) {
     std::string result;
     std::size_t copied = 0;
     bool in_precision = false;
@@ -314,11 +314,11 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
     std::string declarations = site_declarations(text);
     if (signature.is_double != (bits == 64)) {
         const bool to_doubles = bits == 64;
-        text = to_precision(text, to_doubles);
-        declarations = to_precision(declarations, to_doubles);
-        for (std::string& argument : signature.arguments) argument = to_precision(argument, to_doubles);
-        for (Parameter& p : signature.function.parameters) p.type = to_precision(p.type, to_doubles);
-        signature.function.type = to_precision(signature.function.type, to_doubles);
+        text = convert_precision(text, to_doubles);
+        declarations = convert_precision(declarations, to_doubles);
+        for (std::string& argument : signature.arguments) argument = convert_precision(argument, to_doubles);
+        for (Parameter& p : signature.function.parameters) p.type = convert_precision(p.type, to_doubles);
+        signature.function.type = convert_precision(signature.function.type, to_doubles);
         signature.is_double = to_doubles;
     }
     return "#version " + std::to_string(version) + "\n" + declarations + line(1) + text + line(kernel_first_line) +

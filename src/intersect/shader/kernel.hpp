@@ -39,6 +39,6 @@ std::pair<std::string, std::string> embeddable_text(const std::string& text);
 /// Rewrites a file in float to compute in double, or the other way round, token by token: types (`vec3`, `dvec3`) and
 /// numbers with a point or an exponent (`0.1`, `0.1LF`). Functions that do not exist for doubles (`sin`, `pow`) stay,
 /// and the compiler rejects them.
-std::string to_precision(const std::string& text, bool to_doubles);
+std::string convert_precision(const std::string& text, bool to_doubles);
 
 }  // namespace lostbits::intersect::shader

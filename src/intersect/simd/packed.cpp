@@ -23,10 +23,10 @@ constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == 
 /// width.
 struct RowsOfWidth {
     std::array<RegisterKernels, forms> packs;
-    std::array<PackedRow, forms> rows;
+    std::array<PackedFormKernels, forms> rows;
 
-    RowsOfWidth(Isa isa, void (*fill)(RawRow*)) {
-        std::array<RawRow, forms> raw{};
+    RowsOfWidth(Isa isa, void (*fill)(RawFormKernels*)) {
+        std::array<RawFormKernels, forms> raw{};
         fill(raw.data());
         for (std::size_t i = 0; i < forms; ++i) {
             packs[i] = {raw[i], bytes_of(isa)};
@@ -37,11 +37,11 @@ struct RowsOfWidth {
     RowsOfWidth& operator=(const RowsOfWidth&) = delete;
 };
 
-std::span<const PackedRow> scalar_rows() {
+std::span<const PackedFormKernels> scalar_rows() {
     static const auto rows = [] {
-        std::array<PackedRow, forms> filled{};
+        std::array<PackedFormKernels, forms> filled{};
         std::ranges::transform(table::catalogue(), filled.begin(), [](const table::Intersector& i) {
-            return PackedRow{i.info, i.native32, i.native64};
+            return PackedFormKernels{i.info, i.native32, i.native64};
         });
         return filled;
     }();
@@ -107,7 +107,7 @@ void set_isa(Isa isa) {
 
 Isa current_isa() { return chosen_isa(); }
 
-std::span<const PackedRow> packed_rows(Isa isa) {
+std::span<const PackedFormKernels> all_packed_kernels(Isa isa) {
     if (!is_available(isa)) return {};
     if (isa == Isa::scalar) return scalar_rows();
 #ifdef LOSTBITS_HAS_W256
@@ -142,19 +142,19 @@ std::deque<ExternalKernels>& external_packs() {
     return rows;
 }
 
-PackedRow native_kernels(const table::Intersector& form) { return {form.info, form.native32, form.native64}; }
+PackedFormKernels native_kernels(const table::Intersector& form) { return {form.info, form.native32, form.native64}; }
 
 /// Returns the kernels of a row at a width; empty if the row is not compiled for packs.
-std::optional<PackedRow> find_packed(const table::Intersector& form, Isa isa) {
+std::optional<PackedFormKernels> find_packed(const table::Intersector& form, Isa isa) {
     const auto scalar = scalar_rows();
-    const auto entry = std::ranges::find_if(scalar, [&](const PackedRow& row) {
+    const auto entry = std::ranges::find_if(scalar, [&](const PackedFormKernels& row) {
         return row.info == form.info && row.f32 == form.native32 && row.f64 == form.native64;
     });
-    if (entry != scalar.end()) return packed_rows(isa)[static_cast<std::size_t>(entry - scalar.begin())];
+    if (entry != scalar.end()) return all_packed_kernels(isa)[static_cast<std::size_t>(entry - scalar.begin())];
     const auto external = std::ranges::find(external_packs(), form.info, &ExternalKernels::info);
     if (external == external_packs().end() || isa == Isa::scalar) return std::nullopt;
     RegisterKernels& kernels = external->widths[static_cast<std::size_t>(isa) - 1];
-    PackedRow row = native_kernels(form);
+    PackedFormKernels row = native_kernels(form);
     if (!kernels.f32.kernel) return std::nullopt;
     row.f32 = kernels.f32.table_kernel();
     if (kernels.f64.kernel) row.f64 = kernels.f64.table_kernel();
@@ -166,21 +166,21 @@ template <class S, Isa isa>
 void run_of_set(void* context, const table::RayBatch<S>& rays, const Target<S>& target,
                 const table::HitBatch<S>& hits) {
     const auto& set = *static_cast<const table::Intersector*>(context);
-    const PackedRow row = packed_kernels(set.form_for(target.primitives.front().shape), isa);
+    const PackedFormKernels row = packed_kernels(set.form_for(target.primitives.front().shape), isa);
     if constexpr (std::same_as<S, float>) row.f32(rays, target, hits);
     else row.f64(rays, target, hits);
 }
 
 template <Isa isa>
-PackedRow set_kernels_at(const table::Intersector& set) {
+PackedFormKernels set_kernels_at(const table::Intersector& set) {
     auto* const context = const_cast<table::Intersector*>(&set);
-    PackedRow row = native_kernels(set);
+    PackedFormKernels row = native_kernels(set);
     if (row.f32) row.f32 = {run_of_set<float, isa>, context};
     if (row.f64) row.f64 = {run_of_set<double, isa>, context};
     return row;
 }
 
-PackedRow kernels_of_set(const table::Intersector& set, Isa isa) {
+PackedFormKernels kernels_of_set(const table::Intersector& set, Isa isa) {
     switch (isa) {
         case Isa::w128: return set_kernels_at<Isa::w128>(set);
         case Isa::w256: return set_kernels_at<Isa::w256>(set);
@@ -192,12 +192,12 @@ PackedRow kernels_of_set(const table::Intersector& set, Isa isa) {
 
 }  // namespace
 
-PackedRow packed_kernels(const table::Intersector& form, Isa isa) {
+PackedFormKernels packed_kernels(const table::Intersector& form, Isa isa) {
     if (form.is_set()) return kernels_of_set(form, isa);
     return find_packed(form, isa).value_or(native_kernels(form));
 }
 
-PackedRow packed_kernels(const table::Intersector& form) { return packed_kernels(form, current_isa()); }
+PackedFormKernels packed_kernels(const table::Intersector& form) { return packed_kernels(form, current_isa()); }
 
 bool is_packed(const table::Intersector& form, Isa isa) {
     if (form.is_set())

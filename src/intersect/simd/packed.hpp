@@ -37,7 +37,7 @@ Isa current_isa();
 
 /// The kernels of a form; null in a format in which the form does not exist (see `Info::formats`). Batches have any
 /// size. Kernels do not read or write beyond the spans.
-struct PackedRow {
+struct PackedFormKernels {
     const Info* info;
     decltype(table::Intersector::native32) f32;
     decltype(table::Intersector::native64) f64;
@@ -45,19 +45,19 @@ struct PackedRow {
 
 /// The rows of all forms, in the order of `catalogue()`; for `scalar`, the rows of the table themselves. Empty if `isa`
 /// is not available: such a kernel would execute an illegal instruction.
-std::span<const PackedRow> packed_rows(Isa isa);
+std::span<const PackedFormKernels> all_packed_kernels(Isa isa);
 
 /// Returns the kernels of a row of the table, at an available width or at `current_isa()`. A row that is not compiled
 /// for packs (a form that a test makes, an external function) keeps its own native kernels.
-PackedRow packed_kernels(const table::Intersector& form, Isa isa);
-PackedRow packed_kernels(const table::Intersector& form);
+PackedFormKernels packed_kernels(const table::Intersector& form, Isa isa);
+PackedFormKernels packed_kernels(const table::Intersector& form);
 /// True if the row is compiled for packs at that width.
 bool is_packed(const table::Intersector& form, Isa isa);
 
 /// Kernels of a row outside the catalogue over packs of 128, 256 and 512 bits; null if not compiled.
 struct ExternalPacks {
     const Info* info;
-    std::array<RawRow, 3> widths;
+    std::array<RawFormKernels, 3> widths;
 };
 /// Adds the packs of external rows. Call it before any kernel is requested.
 void register_packs(const std::vector<ExternalPacks>& rows);
@@ -65,7 +65,8 @@ void register_packs(const std::vector<ExternalPacks>& rows);
 /// Calls `use.operator()<S>(kernel)` with the kernel of a form in a format; the batches of the kernel are stored in S.
 /// `native` holds the form's kernels in float and double: packed kernels, or the form's own.
 template <class Use>
-void with_kernel(const table::Intersector& form, const PackedRow& native, const Format& format, const Use& use) {
+void with_kernel(const table::Intersector& form, const PackedFormKernels& native, const Format& format,
+                 const Use& use) {
     with_number(format, [&]<class T>() {
         if constexpr (std::same_as<T, float>) use.template operator()<float>(native.f32);
         else if constexpr (std::same_as<T, double>) use.template operator()<double>(native.f64);

@@ -15,8 +15,8 @@
 
 namespace lostbits::intersect::simd {
 
-/// The least distance over the primitives, as in `intersect::table::Union`. Inlined into the forms, the distances of
-/// all shapes were a sixth of the code of a width.
+/// The least distance over the primitives, as in `intersect::table::UnionField`. Inlined into the forms, the distances
+/// of all shapes were a sixth of the code of a width.
 template <class P, class F>
 [[gnu::noinline, gnu::flatten]] P min_distance(const RawTarget<F>& target, const Vec<P>& p) {
     P least(0);
@@ -37,7 +37,7 @@ Hit<P> march_pack(const Ray<P>& ray, const RawTarget<F>& target) {
     sdf::NoMarchWatch unwatched;
     return Form::intersect(
         ray, [&target](const Vec<P>& p) { return min_distance<P>(target, p); },
-        transformed(target.march, [](const F& x) { return P(x); }), unwatched);
+        convert_numbers(target.march, [](const F& x) { return P(x); }), unwatched);
 }
 
 /// Flattened, so that every call inside is inlined. Otherwise the compiler keeps functions for the operators of
@@ -82,8 +82,8 @@ template <class Form, class F, class Width>
 
 /// Returns the kernels of a form; null in binary64 if the form does not exist in this format.
 template <class Form, class Width>
-RawRow raw_row() {
-    RawRow row{packed_batch<Form, float, Width>, nullptr};
+RawFormKernels raw_form_kernels() {
+    RawFormKernels row{packed_batch<Form, float, Width>, nullptr};
     if constexpr (Form::info.formats == Formats::all) row.f64 = packed_batch<Form, double, Width>;
     return row;
 }

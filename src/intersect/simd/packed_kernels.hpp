@@ -7,8 +7,8 @@
 namespace lostbits::intersect::simd {
 
 template <class Width>
-void fill_raw(RawRow* row) {
-    for_each_form([&row]<class Form>() { *row++ = raw_row<Form, Width>(); });
+void fill_raw(RawFormKernels* row) {
+    for_each_form([&row]<class Form>() { *row++ = raw_form_kernels<Form, Width>(); });
 }
 
 }  // namespace lostbits::intersect::simd

@@ -62,12 +62,12 @@ void run_plain(const Ray<F>& ray, const PrimitiveArrays<F>& primitives, std::spa
     }
 }
 
-std::span<const ManyRow> scalar_many_rows() {
+std::span<const ManyFormKernels> scalar_many_rows() {
     static const auto rows = [] {
-        std::array<ManyRow, form_count> filled{};
+        std::array<ManyFormKernels, form_count> filled{};
         std::size_t i = 0;
         for_each_form([&]<class Form>() {
-            ManyRow& row = filled[i++];
+            ManyFormKernels& row = filled[i++];
             row.info = &Form::info;
             row.takes_tmax = takes_tmax(shape_of<Form>);
             if constexpr (!marches<Form>) row.f32 = run_plain<Form, float>;
@@ -80,10 +80,10 @@ std::span<const ManyRow> scalar_many_rows() {
 }
 
 /// The rows for registers of this many bytes. `fill` was compiled for that width.
-std::array<ManyRow, form_count> rows_for_width(std::size_t bytes, void (*fill)(RawManyRow*)) {
-    std::array<RawManyRow, form_count> raw{};
+std::array<ManyFormKernels, form_count> rows_for_width(std::size_t bytes, void (*fill)(RawManyFormKernels*)) {
+    std::array<RawManyFormKernels, form_count> raw{};
     fill(raw.data());
-    std::array<ManyRow, form_count> rows{};
+    std::array<ManyFormKernels, form_count> rows{};
     for (std::size_t i = 0; i < form_count; ++i) {
         rows[i] = scalar_many_rows()[i];
         if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes / sizeof(float)};
@@ -104,20 +104,20 @@ void ManyKernel<S>::operator()(const Ray<S>& ray, const PrimitiveArrays<S>& prim
 template class ManyKernel<float>;
 template class ManyKernel<double>;
 
-ManyRow many_kernels(const table::Intersector& form) {
+ManyFormKernels many_kernels(const table::Intersector& form) {
     const auto catalogue = table::catalogue();
     for (std::size_t i = 0; i < catalogue.size(); ++i) {
         if (catalogue[i].info == form.info && catalogue[i].native32 == form.native32 &&
             catalogue[i].native64 == form.native64)
-            return many_rows(current_isa())[i];
+            return all_many_kernels(current_isa())[i];
     }
-    ManyRow no_kernels;
+    ManyFormKernels no_kernels;
     no_kernels.info = form.info;
     return no_kernels;
 }
 
-std::span<const ManyRow> many_rows(Isa isa) {
-    if (packed_rows(isa).empty()) return {};
+std::span<const ManyFormKernels> all_many_kernels(Isa isa) {
+    if (all_packed_kernels(isa).empty()) return {};
     if (isa == Isa::scalar) return scalar_many_rows();
 #ifdef LOSTBITS_HAS_W256
     if (isa == Isa::w256) {

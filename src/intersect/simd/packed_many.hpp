@@ -40,7 +40,7 @@ private:
 /// The kernels of a form. They are null for a march; in binary64 also if the shape has no kernels for many primitives
 /// or the form does not exist (see `Info::formats`). A kernel takes any number of primitives, allocates no memory, and
 /// does not access memory beyond the spans.
-struct ManyRow {
+struct ManyFormKernels {
     const Info* info = nullptr;
     bool takes_tmax = false;
     ManyKernel<float> f32;
@@ -49,9 +49,9 @@ struct ManyRow {
 
 /// The rows of all forms, in the order of `catalogue()`; `scalar` runs the primitives one by one. Empty if `isa` is not
 /// available.
-std::span<const ManyRow> many_rows(Isa isa);
+std::span<const ManyFormKernels> all_many_kernels(Isa isa);
 
 /// The kernels of a row of the catalogue at `current_isa()`; all null for any other row.
-ManyRow many_kernels(const table::Intersector& form);
+ManyFormKernels many_kernels(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::simd

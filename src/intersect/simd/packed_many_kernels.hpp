@@ -69,7 +69,7 @@ template <class Form, class F, class Width>
 /// Fills the row of each form with the kernels of the form. They are null for a march; in binary64 also if the form
 /// does not exist in this format or the shape has no kernels for many primitives (`has_many_kernels`).
 template <class Width>
-void fill_many_raw(RawManyRow* row) {
+void fill_many_raw(RawManyFormKernels* row) {
     for_each_form([&row]<class Form>() {
         constexpr bool has_f64 = Form::info.formats == Formats::all && has_many_kernels(shape_of<Form>);
         if constexpr (meets<Form, Box>) {

@@ -44,24 +44,24 @@ struct RawPrimitives {
 /// numbers, in binary32. Without a kernel such a sweep takes four to seven times as long.
 constexpr bool has_many_kernels(Shape shape) { return shape == shape_as<Sphere> || shape == shape_as<Box>; }
 
-struct RawManyRow {
+struct RawManyFormKernels {
     void (*f32)(const RawPrimitives<float>&);
     void (*f64)(const RawPrimitives<double>&);
 };
 
-struct RawRow {
+struct RawFormKernels {
     void (*f32)(const RawBatch<float>&);
     void (*f64)(const RawBatch<double>&);
 };
 
 /// One function for each register width, each in its own object file. It fills a row for each form, in the order of the
 /// catalogue.
-void fill_packed_w128(RawRow* rows);
-void fill_packed_w256(RawRow* rows);
-void fill_packed_w512(RawRow* rows);
+void fill_packed_w128(RawFormKernels* rows);
+void fill_packed_w256(RawFormKernels* rows);
+void fill_packed_w512(RawFormKernels* rows);
 /// The same functions for many primitives.
-void fill_many_w128(RawManyRow* rows);
-void fill_many_w256(RawManyRow* rows);
-void fill_many_w512(RawManyRow* rows);
+void fill_many_w128(RawManyFormKernels* rows);
+void fill_many_w256(RawManyFormKernels* rows);
+void fill_many_w512(RawManyFormKernels* rows);
 
 }  // namespace lostbits::intersect::simd

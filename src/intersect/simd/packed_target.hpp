@@ -134,7 +134,7 @@ struct RegisterKernels {
     RegisterKernel<double> f64;
 
     RegisterKernels() = default;
-    RegisterKernels(const RawRow& raw, std::size_t bytes)
+    RegisterKernels(const RawFormKernels& raw, std::size_t bytes)
         : f32{raw.f32, bytes / sizeof(float)}, f64{raw.f64, bytes / sizeof(double)} {}
 };
 

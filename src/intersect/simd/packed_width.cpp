@@ -7,8 +7,8 @@
 
 namespace lostbits::intersect::simd {
 
-void LOSTBITS_WITH_WIDTH_SUFFIX(fill_packed)(RawRow* rows) { fill_raw<BuildRegisters>(rows); }
+void LOSTBITS_WITH_WIDTH_SUFFIX(fill_packed)(RawFormKernels* rows) { fill_raw<BuildRegisters>(rows); }
 
-void LOSTBITS_WITH_WIDTH_SUFFIX(fill_many)(RawManyRow* rows) { fill_many_raw<BuildRegisters>(rows); }
+void LOSTBITS_WITH_WIDTH_SUFFIX(fill_many)(RawManyFormKernels* rows) { fill_many_raw<BuildRegisters>(rows); }
 
 }  // namespace lostbits::intersect::simd

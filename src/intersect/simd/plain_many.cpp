@@ -9,17 +9,17 @@
 
 namespace lostbits::intersect::simd {
 
-std::span<const PlainRow> plain_rows() {
+std::span<const PlainFormKernels> all_plain_kernels() {
 #ifdef LOSTBITS_HAS_W256
     // The function that fills the rows was itself compiled for these registers.
     const auto isas = available_isas();
     if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};
     static const auto rows = [] {
-        std::vector<PlainRow> filled(box::BoxForms::size);
+        std::vector<PlainFormKernels> filled(box::BoxForms::size);
         fill_plain_w256(filled.data());
         std::size_t i = 0;
         box::BoxForms::for_each([&]<class Form>() { filled[i++].info = &Form::info; });
-        std::erase_if(filled, [](const PlainRow& row) { return !row.columns; });
+        std::erase_if(filled, [](const PlainFormKernels& row) { return !row.columns; });
         return filled;
     }();
     return rows;

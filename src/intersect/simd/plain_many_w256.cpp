@@ -40,7 +40,7 @@ constexpr bool calls_wider_arithmetic = requires(Ray<float> ray, Box<float> box,
 
 }  // namespace
 
-void fill_plain_w256(PlainRow* row) {
+void fill_plain_w256(PlainFormKernels* row) {
     box::BoxForms::for_each([&row]<class Form>() {
         if constexpr (!calls_wider_arithmetic<Form>) {
             row->columns = by_columns<Form>;

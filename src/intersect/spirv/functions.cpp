@@ -110,7 +110,7 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
 
 /// Writes the operands of phis, which may be defined after the phi itself.
 void Translator::resolve_phis() {
-    for (const OpenPhi& phi : phis_) {
+    for (const PendingPhi& phi : phis_) {
         const SpirvInstruction& instruction = *phi.instruction;
         std::string list;
         for (std::size_t k = 1; k + 1 < instruction.operands.size(); k += 2)

@@ -160,11 +160,11 @@ private:
     std::map<std::string, int> known_places_;
     std::set<std::string> declarations_;
     std::vector<std::string> metadata_, definitions_, body_;
-    struct OpenPhi {
+    struct PendingPhi {
         std::size_t line;
         const SpirvInstruction* instruction;
     };
-    std::vector<OpenPhi> phis_;
+    std::vector<PendingPhi> phis_;
     std::string file_, unit_, scope_, place_;
     std::size_t temporary_count_ = 0;
 };

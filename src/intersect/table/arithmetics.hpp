@@ -70,7 +70,7 @@ MarchLog log_form_march(const Format& format, const Ray<double>& ray, const Targ
 }
 
 /// Marks the end of each sample of a march, and gives its operations the names of the lesson SDF Sphere Marching.
-struct SampleMarks : sdf::NoMarchWatch {
+struct SampleMarker : sdf::NoMarchWatch {
     void operator()(const RecordedMask& /*active*/, const Recorded& t, const Vec<Recorded>& p,
                     const Recorded& d) const {
         named("t", t);
@@ -83,7 +83,7 @@ struct SampleMarks : sdf::NoMarchWatch {
 };
 
 /// A form over `Recorded`: the same function serves every recorder and format.
-using EvaluateRecorded = EvaluateTarget<Recorded, SampleMarks>;
+using EvaluateRecorded = EvaluateTarget<Recorded, SampleMarker>;
 template <class Form>
 inline constexpr EvaluateRecorded evaluate_recorded = intersect_target<Form>;
 
@@ -91,7 +91,7 @@ inline constexpr EvaluateRecorded evaluate_recorded = intersect_target<Form>;
 inline Hit<Recorded> record_hit(EvaluateRecorded evaluate, const Ray<double>& ray, const Target<double>& target,
                                 double tmax) {
     const LiftedInputs<Recorded> inputs(ray, target, tmax);
-    SampleMarks marks;
+    SampleMarker marks;
     return evaluate(inputs.ray, inputs.target.get(), inputs.tmax, marks, 0);
 }
 
@@ -187,8 +187,8 @@ inline constexpr bool is_one_program = !marches<Form> && !filters<Form> && !requ
 &&!requires { Form::has_loops; };
 
 template <class Form>
-FilterArithmetic filter_arithmetic_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
-                                      double tmax) {
+DecidingArithmetic deciding_arithmetic_of(const Format& format, const Ray<double>& ray, const Target<double>& target,
+                                          double tmax) {
     return with_number(format, [&]<class T>() {
         const LiftedInputs<T> inputs(ray, target, tmax);
         const Primitive<T>& primitive = inputs.target.get().primitives.front();

@@ -50,7 +50,7 @@ void fill_by_ray(std::span<Intersector> forms) {
 
         // Counts in the form itself: `a || b` on one ray does not evaluate b if a is true.
         form.count = count_form_operations<Form>;
-        if constexpr (filters<Form>) form.filter_arithmetic = filter_arithmetic_of<Form>;
+        if constexpr (filters<Form>) form.deciding_arithmetic = deciding_arithmetic_of<Form>;
         if constexpr (marches<Form>) form.log = log_form_march<Form>;
     });
 }
@@ -66,7 +66,7 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
             names.push_back(prefix);
             names.back().append(name);
         }
-        for (std::size_t k = 0; target.primitives[s].placed && k < Affine<double>::numbers; ++k)
+        for (std::size_t k = 0; target.primitives[s].transform && k < Affine<double>::numbers; ++k)
             names.push_back(prefix + "M" + std::to_string(k / 4) + std::to_string(k % 4));
     }
     if (!is_primitive(form.shape)) names.insert(names.end(), march_number_names.begin(), march_number_names.end());

@@ -19,7 +19,7 @@ namespace lostbits::intersect::table {
 template <class Form, class T, class Watch>
 Hit<T> intersect_target(const Ray<T>& ray, const Target<T>& target, const T& tmax, Watch& watch,
                         std::size_t primitive_index = 0) {
-    if constexpr (marches<Form>) return Form::intersect(ray, Union<T>(target.primitives), *target.march, watch);
+    if constexpr (marches<Form>) return Form::intersect(ray, UnionField<T>(target.primitives), *target.march, watch);
     else
         return intersect_numbers<Form>(
             ray,

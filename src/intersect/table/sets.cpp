@@ -47,10 +47,10 @@ void forward_if_all_have(FormSet& set, Function<R(A...)> Intersector::*) {
 
 /// The arithmetic of the form for the target's shape. A form that does not filter decides every ray in its own
 /// arithmetic.
-FilterArithmetic filter_arithmetic_of_part(void* context, const Format& format, const Ray<double>& ray,
-                                           const Target<double>& target, double tmax) {
+DecidingArithmetic deciding_arithmetic_of_part(void* context, const Format& format, const Ray<double>& ray,
+                                               const Target<double>& target, double tmax) {
     const Intersector& form = static_cast<Intersector*>(context)->form_for(shape_of_target(target));
-    return form.filter_arithmetic ? form.filter_arithmetic(format, ray, target, tmax) : FilterArithmetic::own;
+    return form.deciding_arithmetic ? form.deciding_arithmetic(format, ray, target, tmax) : DecidingArithmetic::own;
 }
 
 void forward_all(FormSet& set) {
@@ -64,8 +64,8 @@ void forward_all(FormSet& set) {
     forward_if_all_have<&Intersector::count>(set, &Intersector::count);
     forward_if_all_have<&Intersector::bounded>(set, &Intersector::bounded);
     if (std::ranges::any_of(set.parts,
-                            [](const Intersector* part) { return static_cast<bool>(part->filter_arithmetic); }))
-        set.intersector.filter_arithmetic = {filter_arithmetic_of_part, &set.intersector};
+                            [](const Intersector* part) { return static_cast<bool>(part->deciding_arithmetic); }))
+        set.intersector.deciding_arithmetic = {deciding_arithmetic_of_part, &set.intersector};
 }
 
 /// The value of `member` if all forms of the set agree on it, else `otherwise`.
@@ -153,8 +153,9 @@ std::string refusal_of_set(const std::vector<const Intersector*>& parts) {
 
     // All forms have a transform, or none.
     const auto without_transform =
-        std::ranges::find_if_not(parts, [](const Intersector* part) { return part->is_placed; });
-    const auto with_transform = std::ranges::find_if(parts, [](const Intersector* part) { return part->is_placed; });
+        std::ranges::find_if_not(parts, [](const Intersector* part) { return part->has_transform_method; });
+    const auto with_transform =
+        std::ranges::find_if(parts, [](const Intersector* part) { return part->has_transform_method; });
     if (without_transform != parts.end() && with_transform != parts.end())
         return name(*without_transform) + " has no transform and " + name(*with_transform) +
                " has one; write @TRANSFORM after each form, or after none";

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "geometry/range.hpp"
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "intersect/info.hpp"
 #include "intersect/march_watch.hpp"
 #include "intersect/target.hpp"
@@ -112,13 +112,13 @@ struct Intersector {
     Function<std::optional<BoundedAnswer>(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
         bounded = nullptr;
     /// The widest arithmetic that one evaluation needs; null for the forms that do not filter.
-    Function<FilterArithmetic(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
-        filter_arithmetic = nullptr;
+    Function<DecidingArithmetic(const Format&, const Ray<double>&, const Target<double>&, double tmax)>
+        deciding_arithmetic = nullptr;
     /// The forms of a set, in the order of their shapes.
     std::span<const Intersector* const> parts = {};
-    /// True if the form has a transform method, so that it takes primitives under matrices
+    /// True if the form has a transform method, so that it takes transformed primitives
     /// (`transform/transformed_form.hpp`).
-    bool is_placed = false;
+    bool has_transform_method = false;
 
     [[nodiscard]] bool exists_in(const Format& format) const {
         switch (format.engine) {
@@ -139,7 +139,7 @@ struct Intersector {
     }
     /// The shapes of the form's primitives; `sdf` for a form that marches.
     [[nodiscard]] Shapes shapes() const {
-        Shapes all = Shapes(shape).placed(is_placed);
+        Shapes all = Shapes(shape).with_transform(has_transform_method);
         for (const Intersector* const part : parts) all |= part->shapes();
         return all;
     }

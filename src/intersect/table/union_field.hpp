@@ -14,9 +14,9 @@ T distance(const Primitive<T>& primitive, const Vec<T>& p) {
 
 /// The union of primitives: the least of their distances, computed in the order of the primitives.
 template <Number T>
-class Union {
+class UnionField {
 public:
-    explicit Union(std::span<const Primitive<T>> primitives) : primitives_(primitives) {}
+    explicit UnionField(std::span<const Primitive<T>> primitives) : primitives_(primitives) {}
     T operator()(const Vec<T>& p) const {
         T least = distance(primitives_.front(), p);
         for (const Primitive<T>& primitive : primitives_.subspan(1)) least = min(least, distance(primitive, p));

@@ -16,7 +16,7 @@ struct BevyTransform : CyclesTransform {
     };
 
     template <Number T>
-    static T back(const Maps<T>& m, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
+    static T back(const MatrixPair<T>& m, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
         return named("|M t d'|", length(m.to_world.linear(named("t d'", Vec<T>(t * object_ray.ray.direction)))));
     }
 };

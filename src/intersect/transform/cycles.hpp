@@ -19,11 +19,11 @@ struct CyclesTransform : NormalisingMethod {
         return adjugate_times_reciprocal(m);
     }
     template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
         return PlainTransform::origin(m, o);
     }
     template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
         return PlainTransform::direction(m, d);
     }
 };

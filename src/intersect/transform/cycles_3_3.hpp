@@ -30,7 +30,7 @@ struct Cycles33Transform : EmbreeTransform {
     }
     /// The constant 8.271806E-25f of Cycles is 2^-80. It is 0 in formats whose exponents do not reach it.
     template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
         const T two_to_minus_10 = T(1) / T(1024), two_to_minus_20 = two_to_minus_10 * two_to_minus_10,
                 two_to_minus_40 = two_to_minus_20 * two_to_minus_20, min_magnitude = two_to_minus_40 * two_to_minus_40;
         const auto away_from_zero = [&](const T& x) {

@@ -21,11 +21,11 @@ struct InDoubleTransform : SameTMethod {
                 narrowed<T>(wide.shift)};
     }
     template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
         return named("o'", narrowed<T>(RelativeTransform::origin(wide_maps(m), widened(o))));
     }
     template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
         return named("d'", narrowed<T>(RelativeTransform::direction(wide_maps(m), widened(d))));
     }
 
@@ -46,7 +46,7 @@ private:
         return {Wider<T>::narrow(v.x), Wider<T>::narrow(v.y), Wider<T>::narrow(v.z)};
     }
     template <Number T>
-    static Maps<Wide<T>> wide_maps(const Maps<T>& m) {
+    static MatrixPair<Wide<T>> wide_maps(const MatrixPair<T>& m) {
         const Affine<Wide<T>> world = widened(m.to_world);
         return {world, RelativeTransform::inverse(world)};
     }

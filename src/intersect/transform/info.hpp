@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "intersect/info.hpp"
-#include "shapes/placement.hpp"
+#include "shapes/transform.hpp"
 
 namespace lostbits::intersect::transform {
 
@@ -29,9 +29,9 @@ enum class TransformStep {
 };
 inline constexpr std::array<std::string_view, 6> step_names{"inverse", "origin", "direction", "finish", "form", "back"};
 
-/// The two matrices of a placed primitive: one is stored, the other is its inverse.
+/// The two matrices of a transformed primitive: one is stored, the other is its inverse.
 template <class T>
-struct Maps {
+struct MatrixPair {
     Affine<T> to_world, to_object;
 };
 
@@ -46,11 +46,11 @@ struct ObjectRay {
 /// Base of the methods whose `finish` does not change the ray: t is the same in both spaces, since affine maps keep it.
 struct SameTMethod {
     template <Number T>
-    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+    static ObjectRay<T> finish(const MatrixPair<T>&, const Vec<T>&, const Ray<T>& ray) {
         return {ray, T(1), T(1)};
     }
     template <Number T>
-    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>&, const T& t) {
+    static T back(const MatrixPair<T>&, const Ray<T>&, const ObjectRay<T>&, const T& t) {
         return t;
     }
 };
@@ -58,13 +58,13 @@ struct SameTMethod {
 /// Base of methods that normalise: d' = d/|d|, with a quotient for each component, and t = t'/|d|.
 struct NormalisingMethod {
     template <Number T>
-    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+    static ObjectRay<T> finish(const MatrixPair<T>&, const Vec<T>&, const Ray<T>& ray) {
         const T length_of_d = named("|d'|", length(ray.direction));
         const Vec<T>& d = ray.direction;
         return {{ray.origin, {d.x / length_of_d, d.y / length_of_d, d.z / length_of_d}}, length_of_d, T(1)};
     }
     template <Number T>
-    static T back(const Maps<T>&, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
+    static T back(const MatrixPair<T>&, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
         return named("t'/|d'|", t / object_ray.length);
     }
 };

@@ -37,7 +37,7 @@ struct PbrtTransform : SameTMethod {
     }
     /// (a.x o.x + a.y o.y) + (a.z o.z + τ).
     template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
         const auto row_product = [&](std::size_t i) {
             const Vec<T>& a = m.to_object.rows[i];
             return (a.x * o.x + a.y * o.y) + (a.z * o.z + m.to_object.shift[static_cast<int>(i)]);
@@ -45,13 +45,13 @@ struct PbrtTransform : SameTMethod {
         return named("o'", Vec<T>(row_product(0), row_product(1), row_product(2)));
     }
     template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
         return named("d'", m.to_object.linear(d));
     }
     /// o' + dt d' with dt = |d'|·δ/(d'·d') and δ = γ(3)(|a.x o.x| + |a.y o.y| + |a.z o.z| + |τ|), so that the moved
     /// origin does not lie before the exact one. dt is not added to the returned t.
     template <Number T>
-    static ObjectRay<T> finish(const Maps<T>& m, const Vec<T>& o, const Ray<T>& ray) {
+    static ObjectRay<T> finish(const MatrixPair<T>& m, const Vec<T>& o, const Ray<T>& ray) {
         const T g = gamma_bound<T>(3);
         const auto bound = [&](std::size_t i) {
             const Vec<T>& a = m.to_object.rows[i];

@@ -22,15 +22,15 @@ struct RawTransform {
     void (*to_object)(const RawSteps<F>&);
     void (*back)(const RawSteps<F>&);
 };
-struct RawTransformRow {
+struct RawTransformKernels {
     RawTransform<float> f32;
     RawTransform<double> f64;
 };
 
 /// One function for each register width, each in its own object. It fills a row for each method, in the order of
 /// list.hpp.
-void fill_transforms_w128(RawTransformRow* rows);
-void fill_transforms_w256(RawTransformRow* rows);
-void fill_transforms_w512(RawTransformRow* rows);
+void fill_transforms_w128(RawTransformKernels* rows);
+void fill_transforms_w256(RawTransformKernels* rows);
+void fill_transforms_w512(RawTransformKernels* rows);
 
 }  // namespace lostbits::intersect::transform

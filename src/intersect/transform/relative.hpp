@@ -20,11 +20,11 @@ struct RelativeTransform : SameTMethod {
         return adjugate_over_determinant(m);
     }
     template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
         return named("o'", m.to_object.linear(named("o - T", Vec<T>(o - m.to_world.shift))));
     }
     template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
         return PlainTransform::direction(m, d);
     }
 };

@@ -8,7 +8,7 @@ namespace lostbits::intersect::transform {
 namespace {
 
 template <class P, class F>
-Maps<P> maps_from(const F* numbers) {
+MatrixPair<P> maps_from(const F* numbers) {
     const auto read_matrix = [numbers](std::size_t first) {
         return Affine<P>::of([numbers, first](std::size_t k) { return P(numbers[first + k]); });
     };
@@ -25,7 +25,7 @@ template <class Method, class F>
 [[gnu::flatten]] void to_object(const RawSteps<F>& raw) {
     using P = Pack<F, BuildRegisters>;
     const RawSteps<F> arrays = raw;  // a copy, which the stores below cannot change
-    const Maps<P> maps = maps_from<P>(arrays.maps);
+    const MatrixPair<P> maps = maps_from<P>(arrays.maps);
     F scales[P::lanes] = {};
     for (std::size_t i = 0; i < arrays.size; i += P::lanes) {
         const Ray<P> world = ray_at<P>(arrays.world, i);
@@ -45,7 +45,7 @@ template <class Method, class F>
 [[gnu::flatten]] void back(const RawSteps<F>& raw) {
     using P = Pack<F, BuildRegisters>;
     const RawSteps<F> arrays = raw;
-    const Maps<P> maps = maps_from<P>(arrays.maps);
+    const MatrixPair<P> maps = maps_from<P>(arrays.maps);
     const P scale(*arrays.scale);
     for (std::size_t i = 0; i < arrays.size; i += P::lanes) {
         const Ray<P> world = ray_at<P>(arrays.world, i);
@@ -56,7 +56,7 @@ template <class Method, class F>
 
 }  // namespace
 
-void LOSTBITS_WITH_WIDTH_SUFFIX(fill_transforms)(RawTransformRow* rows) {
+void LOSTBITS_WITH_WIDTH_SUFFIX(fill_transforms)(RawTransformKernels* rows) {
     for_each_transform_method([&rows]<class Method>() {
         *rows++ = {{to_object<Method, float>, back<Method, float>}, {to_object<Method, double>, back<Method, double>}};
     });

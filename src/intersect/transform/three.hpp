@@ -17,12 +17,12 @@ struct ThreeJsTransform : CyclesTransform {
 
     /// Normalises as three.js does: v.normalize() multiplies v by 1/|v|.
     template <Number T>
-    static ObjectRay<T> finish(const Maps<T>&, const Vec<T>&, const Ray<T>& ray) {
+    static ObjectRay<T> finish(const MatrixPair<T>&, const Vec<T>&, const Ray<T>& ray) {
         const T length_of_d = named("|d'|", length(ray.direction)), r = T(1) / length_of_d;
         return {{ray.origin, r * ray.direction}, length_of_d, T(1)};
     }
     template <Number T>
-    static T back(const Maps<T>& m, const Ray<T>& world, const ObjectRay<T>& object_ray, const T& t) {
+    static T back(const MatrixPair<T>& m, const Ray<T>& world, const ObjectRay<T>& object_ray, const T& t) {
         const Vec<T> point = named("P'", Vec<T>(object_ray.ray.origin + t * object_ray.ray.direction));
         return named("|P - o|", length(Vec<T>(named("P", m.to_world.point(point)) - world.origin)));
     }

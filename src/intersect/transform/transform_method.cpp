@@ -16,9 +16,9 @@ using table::HitBatch;
 using table::RayBatch;
 
 template <class Method, class T>
-Maps<T> make_maps(const Placement<T>& placed) {
-    const Affine<T> stored = placed.map(), inverse = Method::inverse(stored);
-    return placed.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
+MatrixPair<T> make_maps(const Transform<T>& transform) {
+    const Affine<T> stored = transform.map(), inverse = Method::inverse(stored);
+    return transform.is_inverse ? MatrixPair<T>{inverse, stored} : MatrixPair<T>{stored, inverse};
 }
 
 template <class Method, class T>
@@ -61,10 +61,10 @@ constexpr std::size_t method_count = [] {
 
 /// The methods compiled for a register width, and that width in bytes.
 struct PackedMethods {
-    std::array<RawTransformRow, method_count> rows{};
+    std::array<RawTransformKernels, method_count> rows{};
     std::size_t bytes = 0;
 
-    PackedMethods(void (*fill)(RawTransformRow*), std::size_t size) : bytes(size) { fill(rows.data()); }
+    PackedMethods(void (*fill)(RawTransformKernels*), std::size_t size) : bytes(size) { fill(rows.data()); }
 };
 /// The methods for a register width of this machine; null for `scalar`.
 const PackedMethods* packed_methods(simd::Isa isa) {
@@ -85,7 +85,7 @@ const PackedMethods* packed_methods(simd::Isa isa) {
 /// Calls `run(functions, steps)` on the rays that fill whole packs of the current width, and returns the number of
 /// these rays. The caller computes the other rays; in an arithmetic without registers, those are all rays.
 template <class Method, class T, class S, class Run>
-std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run& run) {
+std::size_t run_in_packs(const MatrixPair<T>& maps, const RayBatch<S>& rays, const Run& run) {
     if constexpr (std::same_as<T, S>) {
         const PackedMethods* const packed = packed_methods(simd::current_isa());
         if (packed == nullptr) return 0;
@@ -96,7 +96,7 @@ std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run
         std::array<S, 2 * Affine<S>::numbers> numbers;
         std::size_t k = 0;
         for (const Affine<T>* const map : {&maps.to_world, &maps.to_object})
-            map->each([&](const S& x) { numbers[k++] = x; });
+            map->for_each_number([&](const S& x) { numbers[k++] = x; });
         RawSteps<S> steps{
             .maps = numbers.data(),
             .world = {rays.ox.data(), rays.oy.data(), rays.oz.data(), rays.dx.data(), rays.dy.data(), rays.dz.data()},
@@ -106,7 +106,7 @@ std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run
             .line_parameters = {},
             .size = packed_count};
 
-        const RawTransformRow& row = packed->rows[index_of<Method>()];
+        const RawTransformKernels& row = packed->rows[index_of<Method>()];
         if constexpr (std::same_as<S, float>) run(row.f32, steps);
         else run(row.f64, steps);
         return packed_count;
@@ -116,7 +116,7 @@ std::size_t run_in_packs(const Maps<T>& maps, const RayBatch<S>& rays, const Run
 }
 
 template <class Method, class T, class S>
-void transform_batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& columns) {
+void transform_batch_to_object(const MatrixPair<T>& maps, const RayBatch<S>& rays, ObjectColumns<S>& columns) {
     for (auto& column : columns.ray) column.resize(rays.size());
     columns.length.resize(rays.size());
     const std::size_t packed_count = run_in_packs<Method>(maps, rays, [&columns](const auto& functions, auto& steps) {
@@ -141,7 +141,7 @@ void transform_batch_to_object(const Maps<T>& maps, const RayBatch<S>& rays, Obj
 }
 
 template <class Method, class T, class S>
-void transform_batch_back(const Maps<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& columns,
+void transform_batch_back(const MatrixPair<T>& maps, const RayBatch<S>& rays, const ObjectColumns<S>& columns,
                           const HitBatch<S>& hits) {
     const std::size_t packed_count = run_in_packs<Method>(maps, rays, [&](const auto& functions, auto& steps) {
         // These columns are only read here. Their pointers are not const because `to_object` writes through the same
@@ -180,7 +180,7 @@ void record(const Format& format, Tape& tape, const WorldNodes& world, const Rec
 
     // Records the steps of the method.
     const Affine<T> inverse = Method::inverse(stored);
-    const Maps<T> maps = world.is_inverse ? Maps<T>{inverse, stored} : Maps<T>{stored, inverse};
+    const MatrixPair<T> maps = world.is_inverse ? MatrixPair<T>{inverse, stored} : MatrixPair<T>{stored, inverse};
     const ObjectRay<T> object_ray = Method::finish(
         maps, ray.origin, Ray<T>{Method::origin(maps, ray.origin), Method::direction(maps, ray.direction)});
     const Vec<T>&o = object_ray.ray.origin, &d = object_ray.ray.direction;

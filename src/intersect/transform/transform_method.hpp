@@ -25,13 +25,13 @@ struct ObjectColumns {
 /// The steps of a method as functions in the arithmetic T.
 template <class T>
 struct StepFunctions {
-    Maps<T> (*maps)(const Placement<T>&);
-    Vec<T> (*origin)(const Maps<T>&, const Vec<T>&);
-    Vec<T> (*direction)(const Maps<T>&, const Vec<T>&);
-    ObjectRay<T> (*finish)(const Maps<T>&, const Vec<T>& origin, const Ray<T>& object);
-    T (*back)(const Maps<T>&, const Ray<T>& world, const ObjectRay<T>&, const T& t);
+    MatrixPair<T> (*maps)(const Transform<T>&);
+    Vec<T> (*origin)(const MatrixPair<T>&, const Vec<T>&);
+    Vec<T> (*direction)(const MatrixPair<T>&, const Vec<T>&);
+    ObjectRay<T> (*finish)(const MatrixPair<T>&, const Vec<T>& origin, const Ray<T>& object);
+    T (*back)(const MatrixPair<T>&, const Ray<T>& world, const ObjectRay<T>&, const T& t);
 
-    [[nodiscard]] ObjectRay<T> to_object(const Maps<T>& m, const Ray<T>& world) const {
+    [[nodiscard]] ObjectRay<T> to_object(const MatrixPair<T>& m, const Ray<T>& world) const {
         return finish(m, world.origin, {origin(m, world.origin), direction(m, world.direction)});
     }
 };
@@ -39,10 +39,10 @@ struct StepFunctions {
 /// The steps of a method as functions over whole batches with one matrix. The results have the same bits as ray by ray.
 template <class T, class S>
 struct BatchFunctions {
-    Maps<T> (*maps)(const Placement<T>&);
-    void (*to_object)(const Maps<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
+    MatrixPair<T> (*maps)(const Transform<T>&);
+    void (*to_object)(const MatrixPair<T>&, const table::RayBatch<S>&, ObjectColumns<S>&);
     /// Converts the answers of the form to the world, in place.
-    void (*back)(const Maps<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);
+    void (*back)(const MatrixPair<T>&, const table::RayBatch<S>&, const ObjectColumns<S>&, const table::HitBatch<S>&);
 };
 
 /// Indices of nodes on a tape: `WorldNodes` are the inputs of a transform method, `ObjectNodes` the inputs of the form

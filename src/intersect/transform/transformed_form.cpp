@@ -34,7 +34,7 @@ TransformedFormParts parts_of_context(void* context) {
 template <class S>
 Primitive<S> make_object_primitive(const Primitive<S>& primitive, const S& scale) {
     Primitive<S> object = primitive;
-    object.placed.reset();
+    object.transform.reset();
     return scale == S(1) ? object : scaled(object, scale);
 }
 
@@ -54,14 +54,14 @@ void evaluate(const BatchFunctions<T, S>& steps, const Kernel& kernel, const Ray
         const HitBatch<S> batch_hits{slice(hits.t), slice(hits.near), slice(hits.far), slice(hits.hit)};
 
         // A primitive without a transform is in the world already.
-        if (!primitive.placed) {
+        if (!primitive.transform) {
             kernel(world_rays, Target<S>(primitive), batch_hits);
             continue;
         }
 
         // Moves the rays to the space of the primitive.
-        const auto lifted = transformed(*primitive.placed, [](const S& x) { return T(x); });
-        const Maps<T> maps = steps.maps(lifted);
+        const auto lifted = convert_numbers(*primitive.transform, [](const S& x) { return T(x); });
+        const MatrixPair<T> maps = steps.maps(lifted);
         thread_local ObjectColumns<S> columns;
         steps.to_object(maps, world_rays, columns);
         const auto& [ox, oy, oz, dx, dy, dz] = columns.ray;
@@ -103,9 +103,9 @@ template <auto steps_member, auto kernel_member, class E>
 Hit<E> enclose_hit(void* context, const Ray<E>& ray, const Target<E>& target) {
     const TransformedFormParts form_parts = parts_of_context(context);
     const Primitive<E>& primitive = target.primitives.front();
-    if (!primitive.placed) return (form_parts.form->*kernel_member)(ray, target);
+    if (!primitive.transform) return (form_parts.form->*kernel_member)(ray, target);
     const StepFunctions<E>& steps = form_parts.method->*steps_member;
-    const Maps<E> maps = steps.maps(*primitive.placed);
+    const MatrixPair<E> maps = steps.maps(*primitive.transform);
     const ObjectRay<E> object_ray = steps.to_object(maps, ray);
     const Primitive<E> object = scaled(primitive, object_ray.scale);
     const Hit<E> hit = (form_parts.form->*kernel_member)(object_ray.ray, Target<E>(object));
@@ -115,22 +115,22 @@ Hit<E> enclose_hit(void* context, const Ray<E>& ray, const Target<E>& target) {
 
 /// The inputs of a row with a transform: the ray and the matrix for the method, the numbers of the primitive and the
 /// end of the ray for the form.
-struct PlacedInputs {
+struct TransformedInputs {
     WorldNodes world{};
     std::vector<NodeId> numbers;
     NodeId end = no_node;
 };
 
-PlacedInputs record_placed_inputs(const Format& format, const Ray<double>& ray, const Primitive<double>& primitive,
-                                  double tmax, Tape& tape) {
+TransformedInputs record_transformed_inputs(const Format& format, const Ray<double>& ray,
+                                            const Primitive<double>& primitive, double tmax, Tape& tape) {
     const auto input = [&](double x) { return tape.add_input(format.parameters, x); };
-    PlacedInputs inputs;
+    TransformedInputs inputs;
     WorldNodes& world = inputs.world;
     for (std::size_t k = 0; k < 6; ++k)
         world.ray[k] = input(k < 3 ? ray.origin[static_cast<int>(k)] : ray.direction[static_cast<int>(k - 3)]);
     for (const double x : primitive.shape_numbers()) inputs.numbers.push_back(input(x));
-    for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.placed->matrix[k]);
-    world.is_inverse = primitive.placed->is_inverse;
+    for (std::size_t k = 0; k < world.matrix.size(); ++k) world.matrix[k] = input(primitive.transform->matrix[k]);
+    world.is_inverse = primitive.transform->is_inverse;
     inputs.end = input(tmax);
     return inputs;
 }
@@ -145,13 +145,13 @@ Primitive<double> record_object_primitive(const Format& format, const Primitive<
                                           const std::vector<NodeId>& numbers, NodeId scale,
                                           std::vector<NodeId>& form_inputs, Tape& tape) {
     Primitive<double> object_primitive = primitive;
-    object_primitive.placed.reset();
+    object_primitive.transform.reset();
     const bool is_scaled = tape[scale].op != TapeOp::constant;
     if (is_scaled)
         with_number(format, [&]<class F>() {
             object_primitive =
-                transformed(scaled(lift_primitive<F>(object_primitive), static_cast<F>(tape[scale].value)),
-                            [](const F& x) { return as_double(x); });
+                convert_numbers(scaled(lift_primitive<F>(object_primitive), static_cast<F>(tape[scale].value)),
+                                [](const F& x) { return as_double(x); });
         });
     for_each_key(primitive.shape, [&](const Key& key, std::size_t first) {
         for (std::size_t k = first; k < first + key.count(); ++k)
@@ -183,7 +183,7 @@ template <class RecordObject>
 void record_with(const TransformedFormParts& form_parts, const Format& format, const Ray<double>& ray,
                  const Primitive<double>& primitive, double tmax, Tape& tape, const RecordObject& record_object) {
     tape.clear();
-    const PlacedInputs inputs = record_placed_inputs(format, ray, primitive, tmax, tape);
+    const TransformedInputs inputs = record_transformed_inputs(format, ray, primitive, tmax, tape);
     form_parts.method->record(format, tape, inputs.world, [&](const ObjectNodes& object) {
         std::vector<NodeId> form_inputs(object.ray.begin(), object.ray.end());
         const Primitive<double> object_primitive =
@@ -204,7 +204,7 @@ void record(void* context, const Format& format, const Ray<double>& ray, const T
             Tape& tape) {
     const TransformedFormParts form_parts = parts_of_context(context);
     const Primitive<double>& primitive = target.primitives.front();
-    if (!primitive.placed) return form_parts.form->record(format, ray, target, tmax, tape);
+    if (!primitive.transform) return form_parts.form->record(format, ray, target, tmax, tape);
     record_with(
         form_parts, format, ray, primitive, tmax, tape,
         [&](const Ray<double>& object_ray, const Target<double>& object_target, double object_tmax, Tape& form_tape) {
@@ -214,7 +214,7 @@ void record(void* context, const Format& format, const Ray<double>& ray, const T
 void record_all(void* context, const Target<double>& target, Tape& tape) {
     const TransformedFormParts form_parts = parts_of_context(context);
     const Primitive<double>& primitive = target.primitives.front();
-    if (!primitive.placed) return form_parts.form->record_all(target, tape);
+    if (!primitive.transform) return form_parts.form->record_all(target, tape);
     record_with(form_parts, *find_format("f32"), {Vec<double>(1, 2, 3), Vec<double>(4, 5, 6)}, primitive, HUGE_VAL,
                 tape, [&](const Ray<double>&, const Target<double>& object_target, double, Tape& form_tape) {
                     form_parts.form->record_all(object_target, form_tape);
@@ -253,7 +253,7 @@ void fill_form(TransformedForms::ComposedForm& composed) {
                                          &composed};
     if (tested_form->record) composed.intersector.record = {record, &composed};
     if (tested_form->record_all) composed.intersector.record_all = {record_all, &composed};
-    composed.intersector.is_placed = true;
+    composed.intersector.has_transform_method = true;
 }
 
 }  // namespace
@@ -263,7 +263,7 @@ const Intersector& transformed_form(const TransformMethod& method, const Interse
     if (!is_primitive(form.shape))
         throw InputError(name + "@" + std::string(method.info->name) +
                          ": a form that marches takes all primitives at once and in the world; leave @TRANSFORM out");
-    if (form.is_set() || form.is_placed)
+    if (form.is_set() || form.has_transform_method)
         throw InputError(name + "@" + std::string(method.info->name) + ": write one @TRANSFORM after each form");
     return transformed_forms().find_or_add({&method, &form}, fill_form);
 }

@@ -1,4 +1,4 @@
-// Forms with a transform method, in the table of intersectors. They measure scenes with primitives under matrices.
+// Forms with a transform method, in the table of intersectors. They measure scenes with transformed primitives.
 #pragma once
 
 #include "intersect/transform/transform_method.hpp"

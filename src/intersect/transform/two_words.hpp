@@ -28,12 +28,12 @@ struct TwoWordsTransform : SameTMethod {
         }
     }
     template <Number T>
-    static Vec<T> origin(const Maps<T>& m, const Vec<T>& o) {
+    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
         if constexpr (is_exact<T>) return RelativeTransform::origin(m, o);
         else return named("o'", first_words(solve(m, Vec<Words<T>>(to_words(o) - to_words(m.to_world.shift)))));
     }
     template <Number T>
-    static Vec<T> direction(const Maps<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
         if constexpr (is_exact<T>) return RelativeTransform::direction(m, d);
         else return named("d'", first_words(solve(m, to_words(d))));
     }
@@ -56,7 +56,7 @@ private:
     }
     /// adj(A) v/det(A).
     template <Number T>
-    static Vec<Words<T>> solve(const Maps<T>& m, const Vec<Words<T>>& v) {
+    static Vec<Words<T>> solve(const MatrixPair<T>& m, const Vec<Words<T>>& v) {
         const Affine<Words<T>> world = to_words(m.to_world);
         const Words<T> det = world.determinant();
         const Vec<Words<T>> scaled = times(world.adjugate(), v);

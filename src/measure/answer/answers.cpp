@@ -37,7 +37,7 @@ void test_pairs(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in
     in.stop.check();
     const auto are_same_primitive = [primitives = in.primitives.listed()](std::size_t a, std::size_t b) {
         return std::ranges::equal(primitives[a].shape_numbers(), primitives[b].shape_numbers()) &&
-               primitives[a].placed == primitives[b].placed;
+               primitives[a].transform == primitives[b].transform;
     };
     for (std::size_t i = 0, end = 0; i < chunk.count(); i = end) {
         const std::size_t first = chunk.begin() + i;
@@ -223,7 +223,7 @@ OneToMany<S> kernel_for_many(const Kernel& kernel, const RayBlock& rays) {
 /// spheres.
 void test_spheres(const intersect::table::Intersector& form, const RayBlock& rays, const FormatInputs& in,
                   Answers& answers) {
-    const intersect::simd::ManyRow many = intersect::simd::many_kernels(form);
+    const intersect::simd::ManyFormKernels many = intersect::simd::many_kernels(form);
     switch (in.format.engine) {
         case Format::Engine::native32: {
             const auto many_kernel = kernel_for_many<float>(many.f32, rays);
@@ -296,9 +296,9 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
     Answers answers{std::vector<double>(n), std::vector<std::uint8_t>(n), std::vector<std::int32_t>(n, -1)};
 
     // Kernels of packs keep no records of the marches in their lanes.
-    const intersect::simd::PackedRow native = marches
-                                                  ? intersect::simd::PackedRow{form.info, form.native32, form.native64}
-                                                  : intersect::simd::packed_kernels(form);
+    const intersect::simd::PackedFormKernels native =
+        marches ? intersect::simd::PackedFormKernels{form.info, form.native32, form.native64}
+                : intersect::simd::packed_kernels(form);
     if (marches) answers.march.resize(n);
 
     // The spheres of an index are tested page by page.
@@ -319,8 +319,8 @@ Answers evaluate(const intersect::table::Intersector& form, const FormatInputs& 
         for (std::size_t begin = 0; begin < n; begin += RayChunk<S>::capacity) {
             chunk.move_to(begin);
             if (marches) march_chunk<S>(kernel, chunk, rays, inputs, answers);
-            else if (inputs.paired && takes_batches) test_pairs_in_one_call<S>(kernel, chunk, inputs, answers);
-            else if (inputs.paired) test_pairs<S>(kernel, chunk, inputs, answers);
+            else if (inputs.is_paired && takes_batches) test_pairs_in_one_call<S>(kernel, chunk, inputs, answers);
+            else if (inputs.is_paired) test_pairs<S>(kernel, chunk, inputs, answers);
             else find_nearest_hits<S>(kernel, chunk, inputs, answers);
         }
     };

@@ -174,13 +174,14 @@ public:
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t k = candidates.first_pair(i); k < candidates.first_pair(i + 1); ++k)
                 pairs_.push_back({candidates.primitive(k), static_cast<std::uint32_t>(k), i});
-        culling::sort_by_index(pairs_, [](const Pair& pair) { return pair.primitive; });
+        culling::sort_by_index(pairs_, [](const RayPrimitivePair& pair) { return pair.primitive; });
         const std::array sources{&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz, &rays.tmax, &rays.tmin};
         for (std::size_t c = 0; c < sources.size(); ++c) {
             if (sources[c]->empty()) continue;
             columns_[c].resize(pairs_.size());
-            std::ranges::transform(pairs_, columns_[c].begin(),
-                                   [&](const Pair& pair) { return static_cast<S>((*sources[c])[pair.ray]); });
+            std::ranges::transform(pairs_, columns_[c].begin(), [&](const RayPrimitivePair& pair) {
+                return static_cast<S>((*sources[c])[pair.ray]);
+            });
         }
         buffers_.emplace(pairs_.size());
     }
@@ -218,7 +219,7 @@ public:
     }
 
 private:
-    struct Pair {
+    struct RayPrimitivePair {
         std::uint32_t primitive, pair;
         std::size_t ray;
     };
@@ -231,7 +232,7 @@ private:
 
     const truth::FormatInputs& in_;
     OpenEnds open_ends_;
-    std::vector<Pair> pairs_;
+    std::vector<RayPrimitivePair> pairs_;
     std::array<std::vector<S>, 8> columns_;
     std::optional<AnswerBuffers<S>> buffers_;
 };

@@ -32,7 +32,7 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::ProofLimit limit) {
 OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::ProofLimit limit) {
     scene::rays::IdealRayBlock single_ray;
     single_ray.push(ray);
-    single_ray.set_as_list();
+    single_ray.mark_as_list();
     scene::rays::put_range(scene, single_ray);
     if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(single_ray), limit);
     else make_band(scene, scene::rays::round_rays(single_ray, binary64), limit);

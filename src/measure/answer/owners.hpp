@@ -11,7 +11,7 @@ namespace lostbits::measure::answer {
 /// else the truth hits. If neither hits (−1), it is the ray's own primitive if each ray has one, and otherwise the
 /// first.
 inline std::size_t measured_primitive(const truth::FormatInputs& inputs, std::size_t i, std::int32_t hit_primitive) {
-    return hit_primitive >= 0 ? static_cast<std::size_t>(hit_primitive) : inputs.paired ? i : 0;
+    return hit_primitive >= 0 ? static_cast<std::size_t>(hit_primitive) : inputs.is_paired ? i : 0;
 }
 
 /// True if ray i truly hits and meets this primitive first. Several primitives are met first if their t differ by less

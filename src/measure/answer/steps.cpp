@@ -17,7 +17,7 @@
 namespace lostbits::measure::answer {
 
 using intersect::table::Intersector;
-using intersect::transform::Maps;
+using intersect::transform::MatrixPair;
 using intersect::transform::ObjectRay;
 using intersect::transform::StepFunctions;
 using intersect::transform::TransformMethod;
@@ -41,7 +41,7 @@ std::optional<double> evaluate_one(const intersect::table::Intersector& form, co
 
             S t{}, near{}, far{};
             std::uint8_t hit = 0;
-            kernel(rays, intersect::Target<S>(transformed(primitive, [](double n) { return static_cast<S>(n); })),
+            kernel(rays, intersect::Target<S>(convert_numbers(primitive, [](double n) { return static_cast<S>(n); })),
                    intersect::table::HitBatch<S>{std::span(&t, 1), std::span(&near, 1), std::span(&far, 1),
                                                  std::span(&hit, 1)});
             if (hit != 0) answer = static_cast<double>(t);
@@ -87,7 +87,7 @@ public:
         world_ = lift_ray<T>(ray);
         exact_world_ = {to_real(world_.origin), to_real(world_.direction)};
         object_primitive_ = primitive;
-        object_primitive_.placed.reset();
+        object_primitive_.transform.reset();
     }
 
     Steps compute(const CertifiedNumber& true_t) {
@@ -97,8 +97,8 @@ public:
         steps.t[Steps::none_rounded] = true_t;
 
         // From here on, both matrices are those that the format computed.
-        const Maps<T> maps =
-            rounded_steps.maps(transformed(*primitive_.placed, [](double x) { return static_cast<T>(x); }));
+        const MatrixPair<T> maps =
+            rounded_steps.maps(convert_numbers(*primitive_.transform, [](double x) { return static_cast<T>(x); }));
         maps_ = {to_real(maps.to_world), to_real(maps.to_object)};
 
         // Rounds one more step of the ray's transform for each answer.
@@ -140,7 +140,7 @@ private:
 
     /// Returns t in the world if the form and the transform back are exact; empty for a miss.
     std::optional<CertifiedNumber> exact_t(const ObjectRay<Real>& object_ray) const {
-        Primitive<Real> object = transformed(object_primitive_, [](double x) { return Real(x); });
+        Primitive<Real> object = convert_numbers(object_primitive_, [](double x) { return Real(x); });
         if (object_ray.scale != 1) object = scaled(object, object_ray.scale);
         const truth::Truth object_truth =
             truth::find_truth(object_ray.ray, object, {}, row_.info->convention().for_shape(object.shape),
@@ -167,7 +167,7 @@ private:
     Ray<T> world_;
     Ray<Real> exact_world_;
     Primitive<double> object_primitive_;
-    Maps<Real> maps_;
+    MatrixPair<Real> maps_;
 };
 
 }  // namespace
@@ -220,9 +220,9 @@ RangedProblem to_object_space(const TransformMethod& method, const Format& forma
         const auto lift = [](double x) { return static_cast<T>(x); };
         const auto& step_functions = intersect::transform::step_functions<T>(method);
         const auto object_ray = step_functions.to_object(
-            step_functions.maps(transformed(*world.primitive.placed, lift)), lift_ray<T>(world.ray));
+            step_functions.maps(convert_numbers(*world.primitive.transform, lift)), lift_ray<T>(world.ray));
         Primitive<T> object = lift_primitive<T>(world.primitive);
-        object.placed.reset();
+        object.transform.reset();
         if (as_double(object_ray.scale) != 1) object = scaled(object, object_ray.scale);
 
         RangedProblem object_problem{as_doubles(object_ray.ray), as_doubles(object), world.range};
@@ -253,11 +253,11 @@ Levels find_lost_level(const Intersector& form, const Format& format, const Ray<
             const BoundingBox<double> box = boxed_parts.method->compute_box(format, problem.primitive);
             levels.boxes.push_back({problem.ray, box});
             if (!evaluate_one(*boxed_parts.box, format, problem.ray, box, problem.range.tmax))
-                lose_to(problem.primitive.placed ? Level::world_box : Level::box);
+                lose_to(problem.primitive.transform ? Level::world_box : Level::box);
             current = boxed_parts.form;
         } else if (const auto transformed_parts = intersect::transform::find_transformed_parts(*current);
                    transformed_parts.form != nullptr) {
-            if (problem.primitive.placed) {
+            if (problem.primitive.transform) {
                 problem = to_object_space(*transformed_parts.method, format, problem);
                 const auto form_convention = current->info->convention().for_shape(primitive.shape);
                 if (!truth::find_truth(problem.ray, problem.primitive, {}, form_convention, problem.range).is_hit())

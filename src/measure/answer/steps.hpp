@@ -55,13 +55,13 @@ struct Steps {
 };
 
 /// Measures the steps of a row that `transform::transformed_form` made from one of our own templates. The ray is given
-/// as the form received it, and the primitive under a matrix. Uses the convention of the row, within a range.
+/// as the form received it, and the transformed primitive. Uses the convention of the row, within a range.
 Steps measure_steps(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
                     const Primitive<double>& primitive, const Range<double>& range = {});
 
 enum class Level {
     nothing,    ///< the hit is found
-    world_box,  ///< false cull: the ray misses the box in the world around a primitive under a matrix
+    world_box,  ///< false cull: the ray misses the box in the world around a transformed primitive
     space,      ///< the ray, transformed into the space of the primitive, truly misses the primitive
     box,        ///< false cull: the ray misses the box in the primitive's space, or the box around one without a matrix
     form        ///< the form itself

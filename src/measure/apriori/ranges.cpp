@@ -225,7 +225,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
     // The operations of the form, which are the same for all primitives.
     const Primitive<double> first = given.primitive(0);
     RangesBound result;
-    result.tape = tape::record_tape(*request.form, request.format, first.placed && first.placed->is_inverse);
+    result.tape = tape::record_tape(*request.form, request.format, first.transform && first.transform->is_inverse);
     result.names = intersect::table::input_names(*request.form, intersect::Target<double>(first));
     const TapeBound bound(result.tape);
 

@@ -23,7 +23,7 @@ public:
         attribution_.errors.resize(tape.nodes.size());
         attribution_.exact_bits = Exact::bits;
         for (NodeId i = 0; i < tape.size(); ++i) find_value_and_error(i);
-        attribution_.exact_hit = tape.outputs.hit != no_node && is_true(tape.outputs.hit);
+        attribution_.is_exact_hit = tape.outputs.hit != no_node && is_true(tape.outputs.hit);
     }
 
     [[nodiscard]] bool has_failed() const { return has_failed_; }
@@ -60,7 +60,7 @@ private:
     }
 
     /// Decides by exact values, or as the format did if the exact values leave the decision open.
-    struct ExactJudge {
+    struct ExactDecider {
         Walk& walk;
         const TapeNode& n;
         [[nodiscard]] bool less(std::size_t k, std::size_t l) const {
@@ -121,7 +121,7 @@ private:
 
     void evaluate_decision(NodeId i) {
         const TapeNode& n = tape_[i];
-        const bool computed_holds = n.value != 0, exact_holds = holds(n.op, ExactJudge{*this, n});
+        const bool computed_holds = n.value != 0, exact_holds = holds(n.op, ExactDecider{*this, n});
         error_of(i).exact = exact_holds;
         error_of(i).decision_changed = exact_holds != computed_holds;
         if (n.op == TapeOp::any && exact_holds && !computed_holds) attribution_.loop_was_cut_short = true;
@@ -131,7 +131,7 @@ private:
     /// with another computed value, the choice's own error is the difference between the two sides.
     void evaluate_choice(NodeId i) {
         const TapeNode& n = tape_[i];
-        const NodeId computed_side = chosen_side(tape_, i), exact_side = chosen_side(n, ExactJudge{*this, n});
+        const NodeId computed_side = chosen_side(tape_, i), exact_side = chosen_side(n, ExactDecider{*this, n});
         exact(i) = exact(exact_side);
         error_of(i).decision_changed =
             exact_side != computed_side && !have_same_bits(computed(exact_side), computed(computed_side));
@@ -345,7 +345,7 @@ Attribution attribute_by_walk(const Tape& tape, AttributionDepth depth, Subject 
 
 bool is_plain_miss(const Tape& tape, const Attribution& attribution) {
     const NodeId hit = tape.outputs.hit;
-    return hit != no_node && tape[hit].value == 0 && !attribution.exact_hit;
+    return hit != no_node && tape[hit].value == 0 && !attribution.is_exact_hit;
 }
 
 Attribution attribute(const Tape& tape, NodeId subject, AttributionDepth depth) {

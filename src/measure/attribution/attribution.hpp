@@ -42,7 +42,7 @@ struct OperationError {
 struct Attribution {
     std::vector<OperationError> errors;  ///< one for each node
     NodeId subject = no_node;            ///< explained value: t, or the comparison that changed the decision
-    bool exact_hit = false;              ///< the form's decision without rounding
+    bool is_exact_hit = false;           ///< the form's decision without rounding
     bool loop_was_cut_short = false;  ///< without rounding, a loop would have gone on; the exact values end where the
                                       ///< computed ones did
     double error = 0;                 ///< of the subject; for a comparison, of the difference of its sides

@@ -69,7 +69,7 @@ std::vector<std::string> record_all(const Intersector& form, const Target<double
     form.record_all(target, tape);
     auto recorded_ray = record_first_pixel_ray(form, setting);
     const bool begins_with_ray = recorded_ray && form.info->direction != intersect::Direction::unit;
-    if (begins_with_ray) recorded_ray->put_before(tape);
+    if (begins_with_ray) recorded_ray->prepend_to(tape);
     std::vector<std::string> names = names_of_inputs(form, target, begins_with_ray ? &*recorded_ray : nullptr);
     if (setting.rays_have_ranges) append_range_checks(tape, names, form, *find_format("f32"), {.tmin = 1, .tmax = 2});
     return names;
@@ -101,7 +101,7 @@ std::vector<std::string> operation_names(const Intersector& form, const Setting&
     const auto target = target_of(form, setting);
     if (!target) return operations;
     Tape tape;
-    const TapeText text(tape, record_all(form, *target, setting, tape), TapeText::Style::generic);
+    const TapeText text(tape, record_all(form, *target, setting, tape), TapeText::TextStyle::generic);
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (!can_err(tape[i].op)) continue;
         std::string category = text.category(i);
@@ -177,7 +177,7 @@ const std::vector<std::int32_t>& Attributor::categories_of_nodes(
     const std::function<std::vector<std::string>()>& names) {
     const auto [entry, is_new] = categories_by_structure_.try_emplace(structure_hash(tape_));
     if (!is_new) return entry->second;
-    const TapeText text(tape_, names(), TapeText::Style::generic);
+    const TapeText text(tape_, names(), TapeText::TextStyle::generic);
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const auto category = std::ranges::find(categories_, text.category(i));
         entry->second.push_back(
@@ -191,7 +191,7 @@ RayAttribution Attributor::attribute_ray(const Ray<double>& ray, const Target<do
                                          const std::optional<scene::rays::RecordedRay>& recorded_ray) {
     form_.record(format_, ray, target, range.tmax, tape_);
 
-    const bool begins_with_ray = recorded_ray && recorded_ray->try_put_before(tape_);
+    const bool begins_with_ray = recorded_ray && recorded_ray->try_prepend_to(tape_);
     const auto names_without_range = [&] {
         return names_of_inputs(form_, target, begins_with_ray ? &*recorded_ray : nullptr);
     };

@@ -208,7 +208,7 @@ NearbyRays nearby_pixels(const Explanation& explanation, std::span<const OneRay>
 /// the ray.
 void find_better_generators(Explanation& explanation, const OneRay& ray, const ScenePixel& pixel) {
     const Intersector& form = scene::rays::strip_generator(*explanation.form);
-    if (form.is_set() || form.is_placed) return;
+    if (form.is_set() || form.has_transform_method) return;
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
         if (&generator == pixel.scene->camera.rays) continue;
         try {
@@ -241,13 +241,13 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
     Tape tape;
     form.record(format, in.ray(*form.info), target, range.tmax, tape);
     std::vector<std::string> names =
-        names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
+        names_of_inputs(form, target, recorded_ray && recorded_ray->try_prepend_to(tape) ? &*recorded_ray : nullptr);
     append_range_checks(tape, names, form.form_for(target.primitives.front().shape), format, range);
     const Attribution tape_attribution = attribute(tape);
 
     result.hit = tape[tape.outputs.hit].value != 0;
     result.t = tape[tape.outputs.t].value;
-    result.exact_hit = tape_attribution.exact_hit;
+    result.is_exact_hit = tape_attribution.is_exact_hit;
     result.exact_t = tape_attribution[tape.outputs.t].exact;
     return result;
 }
@@ -333,8 +333,8 @@ NodeId Explanation::amplifier(NodeId from) const {
 }
 
 bool Explanation::rounding_changed_order() const {
-    if (!missed_primitive || !missed_primitive->exact_hit) return false;
-    return !attribution.exact_hit || missed_primitive->exact_t < attribution[tape.outputs.t].exact;
+    if (!missed_primitive || !missed_primitive->is_exact_hit) return false;
+    return !attribution.is_exact_hit || missed_primitive->exact_t < attribution[tape.outputs.t].exact;
 }
 
 std::vector<NodeId> Explanation::changed_decisions() const {
@@ -360,7 +360,7 @@ void explain_template(Explanation& explanation, const OneRay& ray, const OneRay:
     const auto recorded_ray = ray.recorded_ray(format);
     explanation.is_generated_ray = recorded_ray.has_value();
     explanation.input_names =
-        names_of_inputs(form, target, recorded_ray && recorded_ray->try_put_before(tape) ? &*recorded_ray : nullptr);
+        names_of_inputs(form, target, recorded_ray && recorded_ray->try_prepend_to(tape) ? &*recorded_ray : nullptr);
     append_range_checks(tape, explanation.input_names, form.form_for(explanation.shape), format, explanation.range);
     for (const TapeNode& n : tape.nodes) {
         if (n.op == TapeOp::input) explanation.input_values.push_back(n.value);
@@ -428,7 +428,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     const answer::Answers answers = answer::evaluate(form, in.format_inputs);
     const truth::Truth ray_truth = ray.find_truth(*form.info);
     Explanation explanation{
-        .form = &form, .format = format, .rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
+        .form = &form, .format = format, .has_rounded_inputs = !ray.is_unrounded(in), .touching = ray.touching()};
     set_given_direction(explanation, in);
 
     // Explains one primitive: the one that the form hits or, for a miss, the one that the ray truly meets.

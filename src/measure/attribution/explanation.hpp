@@ -32,7 +32,7 @@ struct TruePrimitive {
     int index = 0;  ///< index of the primitive, from 0
     bool hit = false;
     double t = 0;                                  ///< the form's answer; meaningless for a miss
-    bool exact_hit = false;                        ///< the form's decision without rounding
+    bool is_exact_hit = false;                     ///< the form's decision without rounding
     double exact_t = 0;                            ///< the form's t without rounding
     scene::rays::RayGroup ray_and_primitive = {};  ///< the ray, as the format holds it, with that primitive
 };
@@ -46,7 +46,7 @@ struct Explanation {
     bool is_generated_ray = false;  ///< a camera makes the ray: the true ray is ideal, the form's is computed
     /// Direction of the ray, if the form received it normalised and rounded
     std::optional<Vec<double>> given_direction = {};
-    bool rounded_inputs = false;                       ///< the format cannot represent the ray or a primitive as given
+    bool has_rounded_inputs = false;                   ///< the format cannot represent the ray or a primitive as given
     std::optional<intersect::Touching> touching = {};  ///< touching convention of all forms; absent: each form's own
     int primitive_index = 0;  ///< index of the primitive that is explained, from 0; a march meets all of them
     int primitive_count = 1;

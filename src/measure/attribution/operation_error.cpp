@@ -17,7 +17,7 @@ struct ResidualExact {
 };
 
 /// Decides by computed values, as the format did.
-struct ComputedJudge {
+struct ComputedDecider {
     const Tape& tape;
     const TapeNode& n;
     [[nodiscard]] double value(std::size_t k) const { return tape[n.operands[k]].value; }
@@ -45,7 +45,7 @@ double rounding_from(const std::array<double, 3>& x, double value) {
 
 NodeId chosen_side(const Tape& tape, NodeId i) {
     const TapeNode& n = tape[i];
-    return kind_of(n.op) == OperationKind::choice ? chosen_side(n, ComputedJudge{tape, n}) : no_node;
+    return kind_of(n.op) == OperationKind::choice ? chosen_side(n, ComputedDecider{tape, n}) : no_node;
 }
 
 bool can_err(TapeOp op) {

@@ -39,7 +39,7 @@ bool is_reserved(std::string_view word) {
 
 }  // namespace
 
-TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style style)
+TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, TextStyle style)
     : tape_(tape),
       inputs_(std::move(inputs)),
       style_(style),
@@ -61,8 +61,8 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, Style styl
         for (const NodeId part : {i, last.operands[0], last.operands[1], first.operands[0], first.operands[1]})
             dot_of_part_[static_cast<std::size_t>(part)] = i;
     }
-    if (style == Style::pretty) find_numbers();
-    name_all();
+    if (style == TextStyle::pretty) find_numbers();
+    name_all_nodes();
 }
 
 /// Finds the operations by which a written formula builds its constants: m·2^e, from an integer m of 20 bits. In double
@@ -132,12 +132,12 @@ void TapeText::name_vector(const Triple& v) {
             v, [&](NodeId i) { return !names_[static_cast<std::size_t>(i)].empty() || !tape_[i].label.empty(); }))
         return;
     std::string base = "v";
-    if (style_ != Style::generic) base += std::to_string(vectors_.size() + 1);
+    if (style_ != TextStyle::generic) base += std::to_string(vectors_.size() + 1);
     vectors_.emplace(v, base);
     for (std::size_t k = 0; k < 3; ++k) names_[static_cast<std::size_t>(v[k])] = base + "." + "xyz"[k];
 }
 
-void TapeText::name_all() {
+void TapeText::name_all_nodes() {
     std::map<std::string, int> use_counts;
     for (const std::string& input : inputs_) ++use_counts[input];
     for (NodeId i = 0; i < tape_.size(); ++i) {
@@ -147,7 +147,7 @@ void TapeText::name_all() {
         else if (n.label.empty() && is_number(i)) name = number_texts_[static_cast<std::size_t>(i)];
         else if (!n.label.empty()) {
             name = n.label;
-            if (const int use_count = ++use_counts[name]; use_count > 1 && style_ != Style::generic) {
+            if (const int use_count = ++use_counts[name]; use_count > 1 && style_ != TextStyle::generic) {
                 const std::string base = vector_name(name), stem = base.empty() ? name : base;
                 const bool is_number = std::isdigit(static_cast<unsigned char>(stem.back())) != 0;  // A^-1, not A^-12
                 name = stem + (is_number ? "_" : "") + std::to_string(use_count) + name.substr(stem.size());
@@ -175,7 +175,7 @@ bool TapeText::is_simple(NodeId i) const {
     const TapeNode& n = tape_[i];
     if (is_given(n.op)) return true;
     const auto has_name = [&](NodeId part) { return !tape_[part].label.empty() || tape_[part].op == TapeOp::input; };
-    if (style_ == Style::generic && n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
+    if (style_ == TextStyle::generic && n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
         has_name(n.operands[0]) && has_name(n.operands[1]))
         return true;
     return n.label.empty() && (n.op == TapeOp::add || n.op == TapeOp::sub) &&
@@ -191,7 +191,7 @@ std::string TapeText::vector_text(const Triple& v, bool without_brackets) const 
             return Triple{tape_[v[0]].operands[k], tape_[v[1]].operands[k], tape_[v[2]].operands[k]};
         };
         if (is_vector(side(0)) && is_vector(side(1))) {
-            const std::string sign = n.op == TapeOp::add ? " + " : style_ == Style::pretty ? " − " : " - ";
+            const std::string sign = n.op == TapeOp::add ? " + " : style_ == TextStyle::pretty ? " − " : " - ";
             const std::string text = vector_name(name(side(0)[0])) + sign + vector_name(name(side(1)[0]));
             return without_brackets ? text : bracket(text);
         }
@@ -209,11 +209,11 @@ std::string TapeText::operand(NodeId i, int precedence) const {
     if (n.op == TapeOp::constant || is_number(i))
         return node_name.starts_with('-') && precedence > 1 ? bracket(node_name) : node_name;
     if (!vector_name(name(i)).empty() && !is_simple(i)) return node_name;
-    if (style_ == Style::generic && !text_of(n.op).plain_in_loop.empty()) return "(...)";
+    if (style_ == TextStyle::generic && !text_of(n.op).plain_in_loop.empty()) return "(...)";
     const std::string text = expression(i);
     Dot dot;
-    const bool is_function = style_ == Style::plain && find_dot(i, dot);
-    if (text.size() > max_inline_length && !find_dot(i, dot)) return style_ == Style::generic ? "(...)" : node_name;
+    const bool is_function = style_ == TextStyle::plain && find_dot(i, dot);
+    if (text.size() > max_inline_length && !find_dot(i, dot)) return style_ == TextStyle::generic ? "(...)" : node_name;
     return !is_function && text_of(n.op).precedence.value < precedence ? bracket(text) : text;
 }
 
@@ -221,9 +221,9 @@ std::string TapeText::write_out(NodeId i) const {
     const TapeNode& n = tape_[i];
     const auto pattern = [this](const OperationText& text) {
         switch (style_) {
-            case Style::pretty: return text.pretty.text;
-            case Style::generic: return text.plain_in_loop.empty() ? text.plain.text : text.plain_in_loop;
-            case Style::plain: break;
+            case TextStyle::pretty: return text.pretty.text;
+            case TextStyle::generic: return text.plain_in_loop.empty() ? text.plain.text : text.plain_in_loop;
+            case TextStyle::plain: break;
         }
         return text.plain.text;
     };
@@ -242,7 +242,7 @@ std::string TapeText::compose(NodeId i) const {
     if (is_number(i)) return number_texts_[static_cast<std::size_t>(i)];
     Dot dot;
     if (!find_dot(i, dot)) return write_out(i);
-    if (style_ == Style::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
+    if (style_ == TextStyle::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
     return "dot(" + vector_text(dot.a, true) + ", " + vector_text(dot.b, true) + ")";
 }
 

@@ -18,9 +18,9 @@ class TapeText {
 public:
     /// `plain` is ASCII: `dot(a, b) - r*r`. `pretty`: `a·b − r·r`. `generic`: as plain, but the same for every
     /// axis and every round of a loop.
-    enum class Style { plain, pretty, generic };
+    enum class TextStyle { plain, pretty, generic };
 
-    TapeText(const Tape& tape, std::vector<std::string> inputs, Style style);
+    TapeText(const Tape& tape, std::vector<std::string> inputs, TextStyle style);
 
     /// Unique on the tape: `c`, `v1.x`, `s12`, an input's name, a constant's digits.
     [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
@@ -48,7 +48,7 @@ private:
     /// True if node i is the last sum of a dot product; sets `dot` to its vectors.
     [[nodiscard]] bool find_dot(NodeId i, Dot& dot) const;
     void name_vector(const Triple& v);
-    void name_all();
+    void name_all_nodes();
     void find_numbers();
     [[nodiscard]] bool is_simple(NodeId i) const;
     [[nodiscard]] std::string vector_text(const Triple& v, bool without_brackets) const;
@@ -58,7 +58,7 @@ private:
 
     const Tape& tape_;
     std::vector<std::string> inputs_;
-    Style style_;
+    TextStyle style_;
     std::vector<std::string> names_;
     std::vector<std::string> number_texts_;  ///< digits of each operation that builds a number; empty for all others
     std::map<Triple, std::string> vectors_;

@@ -52,7 +52,7 @@ struct TallyNumber {
 std::vector<TallyNumber> tally_numbers(const TestedForm& tested_form, const FloatTally& tally) {
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<TallyNumber> numbers{
-        {"wrong", static_cast<double>(tally.wrong())},
+        {"wrong", static_cast<double>(tally.wrong_count())},
         {"padding_max", sweep::padding_max(tested_form, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};

@@ -28,14 +28,14 @@ public:
         request_.requirement.quantile =
             find_for_claim(claim, [&] { return choose::quantile_named(subject.requirement.at); });
         request_.limit.stop = run.stop;
-        judge_.emplace(request_);
+        measurer_.emplace(request_);
         tape_ = find_for_claim(claim, [&] { return repair::record_tape(request_); });
-        own_quality_ = find_for_claim(claim, [&] { return measure_own_quality(request_, tape_, *judge_); });
+        own_quality_ = find_for_claim(claim, [&] { return measure_own_quality(request_, tape_, *measurer_); });
     }
 
     /// Most accurate rewriting of the form; empty if no rewriting is more accurate than the form itself.
     std::optional<repair::RewrittenForm> best_rewriting() {
-        if (!rewriting_) rewriting_ = rewrite(request_, tape_, own_quality_, *judge_);
+        if (!rewriting_) rewriting_ = rewrite(request_, tape_, own_quality_, *measurer_);
         return rewriting_->forms.empty() ? std::nullopt : std::optional(rewriting_->forms.front());
     }
     /// Number of operations in a smallest set that has to be wider: no operation of it can be left out. NaN if the
@@ -44,16 +44,16 @@ public:
         if (own_quality_.meets(request_.requirement)) return 0;
         const FloatFormat wider = tape::wider_format(request_.tested_form.format.parameters, false);
         const auto quality_all_wider =
-            judge_->measure_quality({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
+            measurer_->measure_quality({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
         if (!quality_all_wider.meets(request_.requirement)) return truth::missing;
         return static_cast<double>(
-            find_smallest_set(tape_, wider, quality_all_wider, request_, *judge_, 0).operations.size());
+            find_smallest_set(tape_, wider, quality_all_wider, request_, *measurer_, 0).operations.size());
     }
 
 private:
     Scene scene_;
     RepairRequest request_{};
-    std::optional<repair::Judge> judge_;
+    std::optional<repair::QualityMeasurer> measurer_;
     Tape tape_;
     repair::FormQuality own_quality_{};
     std::optional<repair::Rewriting> rewriting_;

@@ -42,7 +42,7 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
         if (!named_case)
             scene::toml::fail(claim.where, "sweep \"" + subject.name +
                                                "\" has cases, not axes; write `case = \"...\"` in claim.given");
-        const auto summary = sweep::run_cases_together(request, k, file.matching(named_case->name, claim.where));
+        const auto summary = sweep::run_cases_together(request, k, file.cases_matching(named_case->name, claim.where));
         result = judge(claim, columns.value(claim, summary), &summary);
     }
 }

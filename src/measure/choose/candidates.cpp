@@ -60,12 +60,13 @@ FormQuality to_quality(const evaluate::FormSummary& summary, const TestedForm& t
                 requirement.has_tolerance() ? summary.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
 
-FormQuality quality_on(const truth::Band& band, const TestedForm& tested_form, const Requirement& requirement) {
-    return quality_on(band, band.inputs_for(tested_form.format, *tested_form.form->info), tested_form, requirement);
+FormQuality measure_quality_on(const truth::Band& band, const TestedForm& tested_form, const Requirement& requirement) {
+    return measure_quality_on(band, band.inputs_for(tested_form.format, *tested_form.form->info), tested_form,
+                              requirement);
 }
 
-FormQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs, const TestedForm& tested_form,
-                       const Requirement& requirement) {
+FormQuality measure_quality_on(const truth::Band& band, const truth::FormatInputs& inputs,
+                               const TestedForm& tested_form, const Requirement& requirement) {
     const std::vector<const metric::Metric*> metrics = requirement.metrics();
     evaluate::FormSummary summary(metrics);
     evaluate::measure_form({tested_form, metrics}, band, inputs, summary);

@@ -87,11 +87,11 @@ struct ChoiceRequest {
 FormQuality to_quality(const evaluate::FormSummary& summary, const evaluate::TestedForm& tested_form,
                        const Requirement& requirement);
 /// Measures a form on a band.
-FormQuality quality_on(const truth::Band& band, const evaluate::TestedForm& tested_form,
-                       const Requirement& requirement);
+FormQuality measure_quality_on(const truth::Band& band, const evaluate::TestedForm& tested_form,
+                               const Requirement& requirement);
 /// Measures a form that receives these inputs instead of those of the band.
-FormQuality quality_on(const truth::Band& band, const truth::FormatInputs& inputs,
-                       const evaluate::TestedForm& tested_form, const Requirement& requirement);
+FormQuality measure_quality_on(const truth::Band& band, const truth::FormatInputs& inputs,
+                               const evaluate::TestedForm& tested_form, const Requirement& requirement);
 
 /// Measures every form on the scene, at the scene's size, and calls the request's `progress`.
 std::vector<FormQuality> measure_quality(const ChoiceRequest& request);

@@ -10,7 +10,7 @@ namespace {
 /// dropped.
 class Sampler {
 public:
-    void add(const scene::dump::Chunk& chunk) {
+    void add(const scene::ray_file::Chunk& chunk) {
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             if ((chunk.first + i) % step_ != 0) continue;
             if (sample_.rays.size() == max_rays) halve();
@@ -23,9 +23,9 @@ public:
     }
 
     scene::rays::RayGroup take(const FileOptions& options) {
-        sample_.rays.set_as_list();
-        sample_.paired = !sample_.primitives.empty();
-        if (!sample_.paired)
+        sample_.rays.mark_as_list();
+        sample_.is_paired = !sample_.primitives.empty();
+        if (!sample_.is_paired)
             sample_.primitives =
                 scene::rays::primitive_list_of({{}, options.primitives, {}, false, options.mesh}).all();
         return std::move(sample_);
@@ -52,7 +52,8 @@ private:
 
 }  // namespace
 
-FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request) {
+FileRays judge_and_sample(scene::ray_file::RayFile& ray_file, const FileOptions& options,
+                          const ChoiceRequest& request) {
     judge::JudgeRequest judge_request{.primitives = options.primitives,
                                       .mesh = options.mesh,
                                       .tested_forms = request.tested_forms,
@@ -62,34 +63,34 @@ FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, c
 
     // The answers of the file, if it has some, are judged as a form of their own.
     intersect::Info contract = options.contract;
-    if (dump.layout().decides_only()) contract.roots = intersect::Roots::none;
-    const Shape shape =
-        dump.layout().primitive() ? *dump.layout().primitive() : options.representatives().front().shape;
+    if (ray_file.layout().has_only_decisions()) contract.roots = intersect::Roots::none;
+    const Shape shape = ray_file.layout().primitive_shape() ? *ray_file.layout().primitive_shape()
+                                                            : options.representatives().front().shape;
     const judge::FileForm answers(options.result_name, shape, contract);
-    if (dump.layout().has_answers()) {
+    if (ray_file.layout().has_first_hits()) {
         judge_request.file_answers_form = &answers.form();
         judge_request.tested_forms.insert(judge_request.tested_forms.begin(),
-                                          {judge_request.file_answers_form, dump.format()});
+                                          {judge_request.file_answers_form, ray_file.format()});
     }
 
     // Keeps a sample of the rays, which are read only once.
     Sampler sampler;
     const judge::JudgeResult result = judge::run_judge(
-        dump, judge_request,
-        [&sampler](std::size_t form_index, const scene::dump::Chunk& chunk, const evaluate::BandResult&) {
+        ray_file, judge_request,
+        [&sampler](std::size_t form_index, const scene::ray_file::Chunk& chunk, const evaluate::BandResult&) {
             if (form_index == 0) sampler.add(chunk);
         });
 
     FileRays rays{.result_name = options.result_name,
-                  .typed_file_names = dump.name(),
-                  .format = dump.format(),
+                  .typed_file_names = ray_file.name(),
+                  .format = ray_file.format(),
                   .ray_count = result.rays,
                   .rounded_count = result.rounded_count};
     for (std::size_t form_index = 0; form_index < judge_request.tested_forms.size(); ++form_index) {
         const FormQuality quality =
             to_quality(result.summaries[form_index], judge_request.tested_forms[form_index], request.requirement);
         if (judge_request.is_file_form(judge_request.tested_forms[form_index]))
-            rays.answers = FileAnswers{std::string(answers.form().info->name), dump.format(), quality};
+            rays.answers = FileAnswers{std::string(answers.form().info->name), ray_file.format(), quality};
         else rays.quality.push_back(quality);
     }
     rays.sample = sampler.take(options);

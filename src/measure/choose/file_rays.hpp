@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measure/choose/candidates.hpp"
-#include "scene/dump/dump.hpp"
+#include "scene/ray_file/ray_file.hpp"
 #include "scene/rays/rays.hpp"
 #include "scene/rays/stored_mesh.hpp"
 
@@ -46,8 +46,8 @@ struct FileOptions {
     }
 };
 
-/// Reads the dump to its end, for the forms, requirement and limit of the request. Throws InputError as
+/// Reads the ray file to its end, for the forms, requirement and limit of the request. Throws InputError as
 /// `judge::run_judge` does.
-FileRays judge_and_sample(scene::dump::Dump& dump, const FileOptions& options, const ChoiceRequest& request);
+FileRays judge_and_sample(scene::ray_file::RayFile& ray_file, const FileOptions& options, const ChoiceRequest& request);
 
 }  // namespace lostbits::measure::choose

@@ -29,7 +29,7 @@ double to_double(const Real& x) { return static_cast<double>(x); }
 std::vector<Vec<Real>> targets_of(const IdealRays& ideal) {
     std::vector<Vec<Real>> targets;
     for (const Primitive<Real>& primitive : ideal.primitives) targets.push_back(scene::file::middle_of(primitive));
-    if (ideal.paired) return targets;
+    if (ideal.is_paired) return targets;
     Vec<Real> sum(Real(0), Real(0), Real(0));
     for (const Vec<Real>& v : targets) sum = sum + v;
     return {(Real(1) / Real(targets.size())) * sum};
@@ -52,7 +52,7 @@ std::optional<StretchedRays> stretch_distance(IdealRays ideal, const Real& k) {
     std::vector<double> distances;
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) {
         const Ray<Real> ray = ideal.rays[i];
-        const Vec<Real>& target = targets[ideal.paired ? i : 0];
+        const Vec<Real>& target = targets[ideal.is_paired ? i : 0];
         const Real target_t = dot(target - ray.origin, ray.direction) / dot(ray.direction, ray.direction);
         if (!(target_t > 0)) continue;
         const Real back = (k - 1) * target_t;
@@ -66,9 +66,9 @@ std::optional<StretchedRays> stretch_distance(IdealRays ideal, const Real& k) {
 }
 
 std::optional<StretchedRays> stretch_radius(IdealRays ideal, const Real& k) {
-    if (!ideal.paired && ideal.primitives.size() == 1) {
+    if (!ideal.is_paired && ideal.primitives.size() == 1) {
         ideal.primitives.assign(ideal.rays.size(), Primitive<Real>(ideal.primitives.front()));
-        ideal.paired = true;
+        ideal.is_paired = true;
     }
     Vec<Real> fixed_point(Real(0), Real(0), Real(0));
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) fixed_point = fixed_point + ideal.rays[i].origin;
@@ -76,7 +76,7 @@ std::optional<StretchedRays> stretch_radius(IdealRays ideal, const Real& k) {
     Real largest(0);
     for (std::size_t s = 0; s < ideal.primitives.size(); ++s) {
         const auto larger =
-            scene::file::grow(ideal.primitives[s], ideal.paired ? ideal.rays[s].origin : fixed_point, k);
+            scene::file::grow(ideal.primitives[s], ideal.is_paired ? ideal.rays[s].origin : fixed_point, k);
         if (!larger) return std::nullopt;
         ideal.primitives[s] = *larger;
         largest = std::max(largest, scene::file::size_of(*larger));
@@ -88,7 +88,7 @@ std::optional<StretchedRays> stretch_offset(IdealRays ideal, const Real& k) {
     const auto targets = targets_of(ideal);
     std::vector<double> distances;
     for (std::size_t i = 0; i < ideal.rays.size(); ++i)
-        distances.push_back(to_double(length(targets[ideal.paired ? i : 0] - ideal.rays[i].origin)));
+        distances.push_back(to_double(length(targets[ideal.is_paired ? i : 0] - ideal.rays[i].origin)));
     const Real distance = (k - 1) * Real(median_of(std::move(distances)));
     const Vec<Real> offset = (distance / length(scene::file::offset_direction())) * scene::file::offset_direction();
     for (std::size_t i = 0; i < ideal.rays.size(); ++i) set_origin(ideal.rays, i, ideal.rays[i].origin + offset);
@@ -110,8 +110,8 @@ IdealRays exact_rays(const scene::rays::RayGroup& group) {
         ideal.rays.push_range(group.rays, i);
     }
     for (const Primitive<double>& primitive : group.primitives)
-        ideal.primitives.push_back(transformed(primitive, [](double x) { return Real(x); }));
-    ideal.paired = group.paired;
+        ideal.primitives.push_back(convert_numbers(primitive, [](double x) { return Real(x); }));
+    ideal.is_paired = group.is_paired;
     return ideal;
 }
 
@@ -123,7 +123,7 @@ scene::rays::RayGroup store_in_format(const IdealRays& ideal, const FloatFormat&
     scene::rays::RayGroup group{.rays = scene::rays::round_rays(ideal.rays, format), .primitives = {}};
     for (const Primitive<Real>& primitive : ideal.primitives)
         group.primitives.push_back(scene::rays::round_primitive(primitive, format));
-    group.paired = ideal.paired;
+    group.is_paired = ideal.is_paired;
     return group;
 }
 

@@ -26,10 +26,10 @@ inline constexpr std::array growths{Growth::distance, Growth::radius, Growth::of
 struct IdealRays {
     scene::rays::IdealRayBlock rays;
     std::vector<Primitive<Real>> primitives;
-    bool paired = false;  ///< ray i is aimed only at primitive i
+    bool is_paired = false;  ///< ray i is aimed only at primitive i
 
     [[nodiscard]] truth::Band band(truth::ProofLimit limit) const {
-        return truth::Band(rays, primitives, paired, limit);
+        return truth::Band(rays, primitives, is_paired, limit);
     }
 };
 

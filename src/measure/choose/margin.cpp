@@ -152,7 +152,7 @@ std::optional<Measurement> measure_scene(const ChoiceRequest& request, const eva
     const Scene& scene = larger_scene->scene;
     culling::Culler culler(scene);
     const truth::Band band(scene, 0, scene.height, request.limit, &culler);
-    const FormQuality quality = quality_on(band, tested_form, request.requirement);
+    const FormQuality quality = measure_quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
 
     if (scene.inputs == scene::file::Inputs::own) return Measurement{larger_scene->value, quality, true};
@@ -170,7 +170,7 @@ std::optional<Measurement> measure_rays(const ChoiceRequest& request, const eval
     const auto stretched_rays = stretch(rays, growth, factor);
     if (!stretched_rays) return std::nullopt;
     const truth::Band band(store_in_format(stretched_rays->rays, request.rays->format.parameters), request.limit);
-    const FormQuality quality = quality_on(band, tested_form, request.requirement);
+    const FormQuality quality = measure_quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
     return Measurement{stretched_rays->value, quality,
                        matches_ideal_scene(band, stretched_rays->rays.band(request.limit))};

@@ -123,8 +123,8 @@ private:
                          .exact = exact_quality(ideal_band_, stored, row_, request_.requirement)};
         const TestedForm in_f64{row_.form, *find_format("f64")};
         if (row_.form->exists_in(in_f64.format) && !(obstacle_.wide_inputs_are_exact && wide_inputs != 0))
-            trial.form = quality_on(ideal_band_, stored.inputs_for(in_f64.format, *in_f64.form->info), in_f64,
-                                    request_.requirement);
+            trial.form = measure_quality_on(ideal_band_, stored.inputs_for(in_f64.format, *in_f64.form->info), in_f64,
+                                            request_.requirement);
         return trial;
     }
 
@@ -196,7 +196,7 @@ void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& r
 
 void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {
     const auto& sample = request.rays->sample;
-    const std::size_t primitives = sample.paired ? 1 : sample.primitives.size();
+    const std::size_t primitives = sample.is_paired ? 1 : sample.primitives.size();
     const auto affordable_rays = std::max<std::size_t>(64, max_trial_pairs / primitives);
     const auto smaller_sample =
         sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels), affordable_rays));
@@ -219,7 +219,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
     obstacle.inherent_kept = row_limit.kept_bits;
     obstacle.inherent_distance = row_limit.distance_error;
     obstacle.inherent_kept_f64 = inherent(band, tested_form, *find_format("f64"), request.requirement).kept_bits;
-    const FormQuality reached = quality_on(band, tested_form, request.requirement);
+    const FormQuality reached = measure_quality_on(band, tested_form, request.requirement);
 
     // Tries wider inputs with exact arithmetic.
     obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;

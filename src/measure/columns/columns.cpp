@@ -163,12 +163,13 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
     const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
-    const auto has_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.placed; };
+    const auto has_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.transform; };
 
     // A kernel takes primitives of one shape without matrices.
-    const bool has_one_shape = std::ranges::all_of(points.primitives.listed(), has_shape) &&
-                               (!points.primitives.flake() || shape == scene::sphere::Sphereflake::shape) &&
-                               (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.placed));
+    const bool has_one_shape =
+        std::ranges::all_of(points.primitives.listed(), has_shape) &&
+        (!points.primitives.flake() || shape == scene::sphere::Sphereflake::shape) &&
+        (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.transform));
 
     void (*const residuals)(RawResiduals&) =
         raw_kernels ? raw_kernels->residuals[static_cast<std::size_t>(shape)] : nullptr;

@@ -32,7 +32,7 @@ using stages::TwoWords;
 
 /// Numbers of one pass of a loop, from index i on: a whole pack, or the `remaining` last numbers followed by NaN.
 template <class P, bool is_whole>
-struct Pass {
+struct LoopPass {
     std::size_t i, remaining;
 
     [[nodiscard]] P load(const double* column) const {
@@ -69,8 +69,8 @@ struct Pass {
 template <class P, class Step>
 [[gnu::always_inline]] inline void for_each_pack(std::size_t size, const Step& step) {
     std::size_t i = 0;
-    for (; i + P::lanes <= size; i += P::lanes) step(Pass<P, true>{i, P::lanes});
-    if (i < size) step(Pass<P, false>{i, size - i});
+    for (; i + P::lanes <= size; i += P::lanes) step(LoopPass<P, true>{i, P::lanes});
+    if (i < size) step(LoopPass<P, false>{i, size - i});
 }
 
 /// Computes the same bits as `truth::ulp_error`, `truth::lost_bits` and the metrics of the difference.
@@ -166,7 +166,7 @@ template <class Width>
         for (std::size_t k = 0; k < packs; ++k) add(k, P::load(values + i + k * P::lanes));
     }
     for (std::size_t k = 0; i < size; ++k, i += P::lanes)
-        add(k, Pass<P, false>{i, size - i < P::lanes ? size - i : P::lanes}.load(values));
+        add(k, LoopPass<P, false>{i, size - i < P::lanes ? size - i : P::lanes}.load(values));
     for (std::size_t k = 0; k < packs; ++k) {
         hi[k].store(batch.hi + k * P::lanes);
         lo[k].store(batch.lo + k * P::lanes);

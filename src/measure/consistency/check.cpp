@@ -89,7 +89,7 @@ scene::rays::RayBlock FormOnBand::RaysOfPrimitives::rays_at(std::span<const std:
         rays.push(all_rays_[i]);
         rays.push_range(all_rays_, i);
     }
-    rays.set_as_list();
+    rays.mark_as_list();
     return rays;
 }
 

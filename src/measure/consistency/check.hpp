@@ -98,7 +98,7 @@ struct FormKernels {
     const intersect::table::Intersector& form;
     Format format;
     intersect::process::StopToken stop;
-    intersect::simd::PackedRow native;
+    intersect::simd::PackedFormKernels native;
 
     /// Uses the kernels for single rays, or those of a register width that this machine has.
     FormKernels(const intersect::table::Intersector& evaluated_form, const Format& evaluated_format,

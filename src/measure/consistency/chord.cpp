@@ -134,7 +134,7 @@ struct SegmentsFromEnd {
     AllAnswers answers;
 
     SegmentsFromEnd(const FormOnBand& band_form, const RayBlock& rays, const std::vector<Primitive<double>>& primitives)
-        : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .paired = true}),
+        : band(scene::rays::RayGroup{.rays = rays, .primitives = primitives, .is_paired = true}),
           answers(evaluate_all(
               band_form.kernels,
               band_form.takes_unit_directions() ? with_unit_directions(rays, band_form.format()) : rays, primitives)) {}
@@ -201,7 +201,8 @@ std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswe
     for (const double t : {answer.near, answer.far, answer.near_back, answer.far_back}) {
         if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
     }
-    return truth::by_rising_precision([&]<class E>() { return chord_error_in<E>(rays, answer, are_distances, ulp); });
+    return truth::find_at_rising_precision(
+        [&]<class E>() { return chord_error_in<E>(rays, answer, are_distances, ulp); });
 }
 
 void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {

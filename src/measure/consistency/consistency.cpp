@@ -21,7 +21,7 @@ void add_check(const PixelCheckResults& check_results, const ConsistencyBand& ba
 
 }  // namespace
 
-std::uint64_t CheckSummary::asked() const {
+std::uint64_t CheckSummary::question_count() const {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}) - count_of(CheckResult::not_asked);
 }
 

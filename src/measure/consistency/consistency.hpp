@@ -27,7 +27,7 @@ struct CheckSummary {
 
     [[nodiscard]] std::uint64_t count_of(CheckResult a) const { return counts[static_cast<std::size_t>(a)]; }
     /// Number of pixels at which both questions are asked.
-    [[nodiscard]] std::uint64_t asked() const;
+    [[nodiscard]] std::uint64_t question_count() const;
     /// Number of differences that the form causes. `decisions` counts those in which the decisions differ.
     [[nodiscard]] std::uint64_t disagreements() const { return decisions() + count_of(CheckResult::other_number); }
     [[nodiscard]] std::uint64_t decisions() const {

@@ -1,4 +1,4 @@
-// Compares a primitive under a matrix with the same primitive without one.
+// Compares a transformed primitive with the same primitive without a transform.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -15,8 +15,8 @@ using truth::Truth;
 
 namespace {
 
-/// Returns the primitive moved so that its middle is the origin, under a matrix that moves it back.
-Primitive<double> move_under_matrix(const Primitive<double>& primitive, const FloatFormat& format) {
+/// Returns the primitive moved so that its middle is the origin, with a transform that moves it back.
+Primitive<double> move_to_origin(const Primitive<double>& primitive, const FloatFormat& format) {
     const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
     const auto stored_point = [&](const Vec<double>& v) { return Vec<double>(stored(v.x), stored(v.y), stored(v.z)); };
     const Vec<double> middle = stored_point(visit(primitive, [](const auto& shape) { return shape.middle(); }));
@@ -24,7 +24,7 @@ Primitive<double> move_under_matrix(const Primitive<double>& primitive, const Fl
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         if (key.kind == Key::Kind::point) moved_primitive.set_point(k, stored_point(primitive.point(k) - middle));
     });
-    moved_primitive.placed = Placement<double>{{1, 0, 0, middle.x, 0, 1, 0, middle.y, 0, 0, 1, middle.z}, false, 1};
+    moved_primitive.transform = Transform<double>{{1, 0, 0, middle.x, 0, 1, 0, middle.y, 0, 0, 1, middle.z}, false, 1};
     return moved_primitive;
 }
 
@@ -46,13 +46,13 @@ bool is_diagonal(const Affine<double>& m) {
 /// Returns the image of a primitive under its stored matrix as a primitive without a matrix, with each number rounded
 /// once to the format. Returns nothing for:
 ///
-/// - a shape with lengths or directions, under a matrix that is not a rotation with a common scale, to within 4u;
-/// - a box, under a matrix that is not diagonal;
+/// - a shape with lengths or directions, with a transform that is not a rotation with a common scale, to within 4u;
+/// - a box, with a transform that is not diagonal;
 /// - a shape with a radius for each axis;
 /// - a matrix that is stored as its inverse.
 std::optional<Primitive<double>> compute_image(const Primitive<double>& primitive, const FloatFormat& format) {
-    if (!primitive.placed || primitive.placed->is_inverse) return std::nullopt;
-    const Affine<double> m = primitive.placed->map();
+    if (!primitive.transform || primitive.transform->is_inverse) return std::nullopt;
+    const Affine<double> m = primitive.transform->map();
     const std::span<const Key> keys = row_of(primitive.shape).keys;
 
     // Properties of the shape, and of the matrix.
@@ -65,7 +65,7 @@ std::optional<Primitive<double>> compute_image(const Primitive<double>& primitiv
     if (is_axis_aligned ? !is_diagonal(m) : has_axis_lengths || (!has_only_points && !scale)) return std::nullopt;
 
     Primitive<double> image = primitive;
-    image.placed.reset();
+    image.transform.reset();
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         switch (key.kind) {
             case Key::Kind::point: image.set_point(k, m.point(primitive.point(k))); break;
@@ -78,14 +78,14 @@ std::optional<Primitive<double>> compute_image(const Primitive<double>& primitiv
     if (is_axis_aligned)
         for (std::size_t i = 0; i < 3; ++i)
             if (image.numbers[i] > image.numbers[i + 3]) std::swap(image.numbers[i], image.numbers[i + 3]);
-    return transformed(image, [&format](double x) { return rounding::to_format(x, 0, format); });
+    return convert_numbers(image, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
 /// Returns a form that takes primitives with and without matrices: the form itself, or the form with the usual
 /// transform method.
 const Intersector& form_with_matrices(const Intersector& form) {
     const auto& usual_method = intersect::transform::default_transform_method();
-    if (form.shapes().are_placed()) return form;
+    if (form.shapes().have_transform()) return form;
     if (!form.is_set()) return intersect::transform::transformed_form(usual_method, form);
     std::vector<const Intersector*> parts;
     for (const Intersector* const part : form.parts)
@@ -93,15 +93,15 @@ const Intersector& form_with_matrices(const Intersector& form) {
     return intersect::table::find_or_add_set(parts);
 }
 
-/// Returns each primitive under a matrix without it, and each other primitive under a matrix. A primitive that cannot
-/// be converted is unchanged. Returns an empty list if none can be converted.
+/// Returns each transformed primitive without its transform, and gives each other primitive a transform. A primitive
+/// that cannot be converted is unchanged. Returns an empty list if none can be converted.
 std::vector<Primitive<double>> convert_primitives(const FormOnBand& band_form,
                                                   const std::vector<Primitive<double>>& primitives) {
     bool any_converted = false;
     std::vector<Primitive<double>> converted;
     for (const Primitive<double>& primitive : primitives) {
-        const auto other_primitive = primitive.placed ? compute_image(primitive, band_form.format())
-                                                      : std::optional(move_under_matrix(primitive, band_form.format()));
+        const auto other_primitive = primitive.transform ? compute_image(primitive, band_form.format())
+                                                         : std::optional(move_to_origin(primitive, band_form.format()));
         any_converted = any_converted || other_primitive;
         converted.push_back(other_primitive.value_or(primitive));
     }

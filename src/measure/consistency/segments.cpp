@@ -22,7 +22,7 @@ namespace {
 
 /// Returns the sign of t* − m, where t* is the first t at which a ray truly hits the primitive; m > 0.
 std::optional<int> side_of_end(const Ray<double>& ray, const Primitive<double>& primitive, double m) {
-    return truth::by_rising_precision([&]<class E>() {
+    return truth::find_at_rising_precision([&]<class E>() {
         return truth::side_of<E>(lift_ray<E>(ray), lift_primitive<E>(primitive), E(m), truth::Length::parameter);
     });
 }

@@ -343,7 +343,7 @@ bool probe_hit(Trial& trial) {
 /// Probes the promises about the answers. Probes that only make sense if the t of the plainest ray is right are left
 /// out if it is wrong, and named.
 void probe_promises(Trial& trial) {
-    const bool t_is_right = !trial.breaks("t") && !trial.breaks("hit");
+    const bool t_is_right = !trial.has_broken("t") && !trial.has_broken("hit");
     std::string skipped_probes;
     const auto probe_if_right = [&](const char* name, const auto& probe, bool applies = true) {
         if (!applies) return;
@@ -374,12 +374,13 @@ void probe_promises(Trial& trial) {
     probe_if_right("scale", try_scale);
     if (!trial.has_broken_promise()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
     // Half of the rays of this probe come from behind.
-    probe_if_right("edges", try_edges, !trial.breaks("facing") && !trial.breaks("rays"));
+    probe_if_right("edges", try_edges, !trial.has_broken("facing") && !trial.has_broken("rays"));
 
     if (!skipped_probes.empty())
         trial.probe("t", [&](Trial& t) {
-            t.report_note(std::string(t.breaks("t") ? "what follows from a wrong t" : "what follows from wrong hits") +
-                          " is not judged: " + skipped_probes);
+            t.report_note(
+                std::string(t.has_broken("t") ? "what follows from a wrong t" : "what follows from wrong hits") +
+                " is not judged: " + skipped_probes);
         });
 }
 
@@ -389,7 +390,7 @@ std::vector<Observation> run_all_probes(const ForeignForm& form) {
     probe_calls(trial);
     if (!probe_hit(trial)) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);
-    if (!trial.breaks("t")) trial.probe(trial.tells_t ? "t" : "hit", try_extent);
+    if (!trial.has_broken("t")) trial.probe(trial.tells_t ? "t" : "hit", try_extent);
     probe_promises(trial);
     try_unusual_numbers(trial);
     return std::move(trial.findings);

@@ -108,7 +108,7 @@ void try_threads(Trial& trial) {
 void probe_calls(Trial& trial) {
     trial.probe("answers", try_hit_is_written);
     trial.probe("again", try_same_batch_again);
-    if (trial.breaks("again")) {
+    if (trial.has_broken("again")) {
         trial.report_note("the probes batches, primitives and threads compare repeated answers, so they are left out");
     } else {
         trial.probe("batches", try_batches);

@@ -153,7 +153,7 @@ Vec<double> round_to_bits(const Vec<double>& v, int bits) { return bits == 32 ? 
 Mesh random_mesh(int bits, rays::Random& random) {
     Mesh mesh = scene::triangle::make_icosphere(1, {0, 0, 0}, 1);
     const Vec<double> x = random.between(0.5, 2) * rays::draw_direction(random);
-    const Vec<double> y = random.between(0.5, 2) * rays::draw_across(random, x);
+    const Vec<double> y = random.between(0.5, 2) * rays::draw_perpendicular(random, x);
     const Vec<double> z = cross((1 / length(x)) * x, y);
     for (Vec<double>& v : mesh.vertices) v = round_to_bits(v.x * x + v.y * y + v.z * z, bits);
     merge_and_count(mesh, [](std::size_t) { return std::string(); });

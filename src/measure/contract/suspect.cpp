@@ -120,13 +120,13 @@ struct SuspectAnswers {
     }
     /// True if a reason explains nine in ten of the wrong answers. A reason that would change right answers too has to
     /// explain nine in ten of all answers and of the hits, and right misses count against it.
-    [[nodiscard]] bool is_explained_by(const Reason& reason) const {
-        using Scope = Reason::Scope;
+    [[nodiscard]] bool is_explained_by(const SuspectedMistake& reason) const {
+        using AffectedAnswers = SuspectedMistake::AffectedAnswers;
         if (!explains_most(wrong, reason.explains)) return false;
-        if (reason.scope == Scope::t || reason.scope == Scope::wrong) return true;
+        if (reason.scope == AffectedAnswers::t || reason.scope == AffectedAnswers::wrong) return true;
         std::vector<AnswerSample> hits;
         std::ranges::copy_if(all, std::back_inserter(hits), [](const AnswerSample& sample) { return sample.hit; });
-        const bool decides = reason.scope == Scope::decisions;
+        const bool decides = reason.scope == AffectedAnswers::decisions;
         const std::size_t unexplained = count_unexplained(all, reason.explains) +
                                         count_unexplained(right_misses, reason.explains) +
                                         (decides ? more_right_misses : 0);
@@ -222,8 +222,8 @@ std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource s
 
     // Finds the first known mistake that explains both halves of the answers.
     const std::array<SuspectAnswers, 2> halves = suspects.halves(), both_hit_halves = both_hit.halves();
-    for (const Reason& reason : reasons()) {
-        const bool is_about_t = reason.scope == Reason::Scope::t;
+    for (const SuspectedMistake& reason : reasons()) {
+        const bool is_about_t = reason.scope == SuspectedMistake::AffectedAnswers::t;
         if (is_about_t && !can_test_t) continue;
         const auto is_explained = [&reason](const SuspectAnswers& half) { return half.is_explained_by(reason); };
         if (!std::ranges::all_of(is_about_t ? both_hit_halves : halves, is_explained)) continue;

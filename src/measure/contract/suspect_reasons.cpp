@@ -78,7 +78,7 @@ constexpr LengthErrorCase length_error_cases[] = {
     {"the intersector seems to get a diameter instead of the {0}", "hand over {0}",
      "the answers are for {3} of twice the {0}; write that {0} (--{2})", [](double x) { return x * 2; }}};
 
-void add_length_reasons(const ShapeRow& shape_row, std::vector<Reason>& list) {
+void add_length_reasons(const ShapeRow& shape_row, std::vector<SuspectedMistake>& list) {
     const auto length = length_key(shape_row.shape);
     if (!length) return;
     const auto text = [&](const char* pattern) {
@@ -90,11 +90,11 @@ void add_length_reasons(const ShapeRow& shape_row, std::vector<Reason>& list) {
                         [&shape_row, change = error_case.change](const AnswerSample& sample) {
                             return fits_length(sample, shape_row, change);
                         },
-                        Reason::Scope::all});
+                        SuspectedMistake::AffectedAnswers::all});
 }
 
 /// Mistakes about the unit of t.
-std::vector<Reason> unit_reasons() {
+std::vector<SuspectedMistake> unit_reasons() {
     return {{"t is a distance, not the ray's parameter, as if directions had unit length",
              "say so (unit_direction, direction=unit)", "say --direction unit",
              [](const AnswerSample& sample) { return !sample.is_unit && is_other_t(sample); }},
@@ -104,7 +104,7 @@ std::vector<Reason> unit_reasons() {
 }
 
 /// Mistakes about rays that start inside.
-std::vector<Reason> inside_reasons() {
+std::vector<SuspectedMistake> inside_reasons() {
     return {
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
          [](const AnswerSample& sample) {
@@ -133,7 +133,7 @@ std::vector<Reason> inside_reasons() {
 }
 
 /// Mistakes about the root that is the answer.
-std::vector<Reason> root_reasons() {
+std::vector<SuspectedMistake> root_reasons() {
     return {{"it answers with the far root, the exit in place of the entry",
              "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
              [](const AnswerSample& sample) {
@@ -147,15 +147,15 @@ std::vector<Reason> root_reasons() {
 }
 
 /// Mistakes about the numbers of a ray, and about where it begins.
-std::vector<Reason> ray_reasons() {
-    using Scope = Reason::Scope;
+std::vector<SuspectedMistake> ray_reasons() {
+    using AffectedAnswers = SuspectedMistake::AffectedAnswers;
     return {{"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
              "write -dx, -dy, -dz",
              [](const AnswerSample& sample) {
                  return !std::isnan(sample.t) &&
                         fits_instead(sample, {sample.ray.origin, -sample.ray.direction}, sample.primitive);
              },
-             Scope::all},
+             AffectedAnswers::all},
 
             // The ray, or its line.
             {"it hits what lies behind the ray", "say that it answers for the whole line (whole_line, flags=line)",
@@ -164,7 +164,7 @@ std::vector<Reason> ray_reasons() {
                  const auto line = line_through(sample.ray, sample.primitive);
                  return sample.hit && !sample.truly_hits && line && line->far < 0 && !(sample.t > 0);
              },
-             Scope::wrong},
+             AffectedAnswers::wrong},
 
             // Numbers in the wrong place.
             {"the origin and the direction seem to be exchanged", "a ray comes as ox, oy, oz, dx, dy, dz",
@@ -172,36 +172,38 @@ std::vector<Reason> ray_reasons() {
              [](const AnswerSample& sample) {
                  return fits_instead(sample, {sample.ray.direction, sample.ray.origin}, sample.primitive);
              },
-             Scope::all},
+             AffectedAnswers::all},
             {"the direction seems to be the point where the ray ends: the answers are those for d - o",
              "hand over the direction, end - origin", "write dx - ox, dy - oy, dz - oz as the direction",
              [](const AnswerSample& sample) {
                  return fits_instead(sample, {sample.ray.origin, sample.ray.direction - sample.ray.origin},
                                      sample.primitive);
              },
-             Scope::all},
+             AffectedAnswers::all},
             {"y and z of the rays seem to be exchanged, compared with those of the primitive",
              "hand over both with the same axis upwards", "write oy and oz, and dy and dz, the other way round",
              [](const AnswerSample& sample) {
                  return fits_instead(sample, {swap_y_and_z(sample.ray.origin), swap_y_and_z(sample.ray.direction)},
                                      sample.primitive);
              },
-             Scope::all}};
+             AffectedAnswers::all}};
 }
 
-void add_known_unit_reasons(std::vector<Reason>& list) {
+void add_known_unit_reasons(std::vector<SuspectedMistake>& list) {
     for (const KnownUnits& units : known_units)
         list.push_back(
             {fmt::format("the primitive seems to be in other units than the rays, {:.4g} times as large ({}?)",
                          units.factor, units.text),
              "hand over both in the same units", "write both in the same units",
              [factor = units.factor](const AnswerSample& sample) { return fits_scaled(sample, 1 / factor); },
-             Reason::Scope::all});
+             SuspectedMistake::AffectedAnswers::all});
 }
 
-std::vector<Reason> all_reasons() {
-    std::vector<Reason> list = unit_reasons();
-    const auto append = [&list](const std::vector<Reason>& more) { list.insert(list.end(), more.begin(), more.end()); };
+std::vector<SuspectedMistake> all_reasons() {
+    std::vector<SuspectedMistake> list = unit_reasons();
+    const auto append = [&list](const std::vector<SuspectedMistake>& more) {
+        list.insert(list.end(), more.begin(), more.end());
+    };
     for (const ShapeRow& shape_row : shape_rows) add_length_reasons(shape_row, list);
     append(inside_reasons());
     append(root_reasons());
@@ -210,14 +212,14 @@ std::vector<Reason> all_reasons() {
     list.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
                     "write 1 for a hit and 0 for a miss",
                     [](const AnswerSample& sample) { return sample.hit != sample.truly_hits; },
-                    Reason::Scope::decisions});
+                    SuspectedMistake::AffectedAnswers::decisions});
     return list;
 }
 
 }  // namespace
 
-const std::vector<Reason>& reasons() {
-    static const std::vector<Reason> list = all_reasons();
+const std::vector<SuspectedMistake>& reasons() {
+    static const std::vector<SuspectedMistake> list = all_reasons();
     return list;
 }
 

@@ -21,9 +21,9 @@ inline bool is_right(const AnswerSample& sample) {
 }
 
 /// Mistake that a contract may contain, with a test: does the mistake explain an answer?
-struct Reason {
+struct SuspectedMistake {
     /// Answers that the mistake affects and has to explain.
-    enum class Scope : std::uint8_t {
+    enum class AffectedAnswers : std::uint8_t {
         t,         ///< the t of right hits; wrong decisions beside them are usually due to arithmetic
         wrong,     ///< every wrong answer
         all,       ///< every answer, right ones too: a march that ends early misses near the rim, as a smaller sphere
@@ -34,7 +34,7 @@ struct Reason {
     std::string library_remedy;  ///< what to write if an intersector answered
     std::string file_remedy;     ///< what to write if a file holds the answers
     std::function<bool(const AnswerSample&)> explains;
-    Scope scope = Scope::t;
+    AffectedAnswers scope = AffectedAnswers::t;
 };
 
 /// Factor between two units of length.
@@ -49,6 +49,6 @@ inline constexpr KnownUnits known_units[] = {{1000, "millimetres for metres"}, {
                                              {25.4, "millimetres for inches"}, {2.54, "centimetres for inches"}};
 
 /// All reasons, in the order in which they are tested.
-const std::vector<Reason>& reasons();
+const std::vector<SuspectedMistake>& reasons();
 
 }  // namespace lostbits::measure::contract

@@ -231,7 +231,7 @@ public:
                                    [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
     }
     /// True if a probe of this name found a broken promise.
-    [[nodiscard]] bool breaks(std::string_view name) const {
+    [[nodiscard]] bool has_broken(std::string_view name) const {
         return std::ranges::any_of(findings, [name](const Observation& f) {
             return f.subject == name && f.verdict == Observation::Verdict::broken;
         });

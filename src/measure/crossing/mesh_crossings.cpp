@@ -13,7 +13,7 @@
 
 namespace lostbits::measure::crossing {
 
-using truth::by_rising_precision, truth::find_truth, truth::is_valid, truth::sign;
+using truth::find_at_rising_precision, truth::find_truth, truth::is_valid, truth::sign;
 using truth::Truth, truth::ProofLimit;
 
 namespace {
@@ -46,7 +46,7 @@ std::optional<Passage> try_passage(const Ray<double>& ray, const Primitive<doubl
 std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     if (!is_valid(triangle)) return Passage{};
     if (const auto fast_result = try_passage<number::wide::Running<double>>(ray, triangle)) return fast_result;
-    return by_rising_precision([&]<class E>() { return try_passage<E>(ray, triangle); });
+    return find_at_rising_precision([&]<class E>() { return try_passage<E>(ray, triangle); });
 }
 
 /// Up to the same factor for all edges, the height of the line's point above an edge e is v/|e|, with v = ±d·(p × q)
@@ -78,7 +78,7 @@ std::optional<unsigned> find_nearest_edges(const auto& triangle, const Ray<E>& r
 
 /// Order of the t of two crossings, −1, 0 or 1: that of the quotients n/m of their spans, m > 0.
 std::optional<int> order_of_t(const Ray<double>& ray, const Primitive<double>& a, const Primitive<double>& b) {
-    return by_rising_precision([&]<class E>() {
+    return find_at_rising_precision([&]<class E>() {
         const Fraction<E> x = lifted_span<E>(ray, a).at, y = lifted_span<E>(ray, b).at;
         return sign<E>(x.n * y.m - y.n * x.m);
     });
@@ -167,7 +167,7 @@ MeshCrossings find_crossings(const Ray<double>& ray, const Triangles& triangles,
 }
 
 std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
-    return by_rising_precision([&]<class E>() -> std::optional<int> {
+    return find_at_rising_precision([&]<class E>() -> std::optional<int> {
         const FlatSpan<E> span = lifted_span<E>(ray, triangle);
         const auto steepness = sign(span.at.m);
         if (!steepness || *steepness == 0) return steepness;
@@ -179,7 +179,7 @@ unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle
     constexpr unsigned all_edges = 0b111;
     const int facing = facing_of(ray, triangle).value_or(0);
     if (facing == 0) return all_edges;
-    const auto found = by_rising_precision([&]<class E>() {
+    const auto found = find_at_rising_precision([&]<class E>() {
         return visit_in_object_space<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle),
                                                [facing](const auto& shape, const auto& object_ray) {
                                                    return find_nearest_edges<E>(shape, object_ray, facing);

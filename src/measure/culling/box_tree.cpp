@@ -36,8 +36,8 @@ struct MatrixBounds {
     double size = 0, condition = 1;
 
     explicit MatrixBounds(const Primitive<double>& primitive) {
-        if (!primitive.placed) return;
-        const Affine<double> m = primitive.placed->map();
+        if (!primitive.transform) return;
+        const Affine<double> m = primitive.transform->map();
         for (const double x : primitive.shape_numbers()) size = std::max(size, std::fabs(x));
         size = frobenius(m.rows) * 1.75 * size + std::sqrt(dot(m.shift, m.shift));
         condition = frobenius(m.rows) * frobenius(m.adjugate()) / std::fabs(m.determinant()) / 3;
@@ -46,7 +46,7 @@ struct MatrixBounds {
 
 /// Distance from the primitive's box up to which a form that squares lengths may still claim a hit.
 double growth_of(const Primitive<double>& primitive, const RayBounds& rays, const FloatFormat& format) {
-    if (primitive.placed || !length_key(primitive.shape)) return 0;
+    if (primitive.transform || !length_key(primitive.shape)) return 0;
     const auto ball = ball_around(primitive);
     const double sum = sum_of_squares(rays.origin, length(ball.centre) + ball.radius);
     if (!squares_are_safe(sum, ball.radius, rays, format)) return HUGE_VAL;
@@ -59,10 +59,11 @@ constexpr double min_trusted = 0x1p-400;
 /// Box of a primitive; with a matrix, the box of the ball around the primitive. Nothing if the box cannot be trusted,
 /// and for a primitive without a box: a plane, or one under a stored inverse.
 std::optional<BoundingBox<double>> wide_box_of(const Primitive<double>& primitive) {
-    if (!has_bounding_box(primitive.shape) || (primitive.placed && primitive.placed->is_inverse)) return std::nullopt;
-    if (primitive.placed) {
+    if (!has_bounding_box(primitive.shape) || (primitive.transform && primitive.transform->is_inverse))
+        return std::nullopt;
+    if (primitive.transform) {
         const auto object_ball = visit(primitive, [](const auto& shape) { return shape.ball_around(); });
-        if (!(std::min(object_ball.radius, frobenius(primitive.placed->map().rows)) >= min_trusted))
+        if (!(std::min(object_ball.radius, frobenius(primitive.transform->map().rows)) >= min_trusted))
             return std::nullopt;
         const auto ball = ball_around(primitive);
         const double radius = ball.radius * (1 + 0x1p-40);  // the radius of the ball is rounded
@@ -161,11 +162,11 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
         const double growth = format ? growth_of(primitive, bounds, *format) : 0;
         const auto box = box_of(primitive, growth, shift);
         const MatrixBounds matrix(primitive);
-        // Under a matrix, a rounded inverse has a relative error of κu. An error in the space of the primitive becomes
-        // κ times as large in the world.
+        // With a transform, a rounded inverse has a relative error of κu. An error in the space of the primitive
+        // becomes κ times as large in the world.
         const double primitive_rounding =
-            primitive.placed ? 2 * matrix.condition * matrix.condition * rounding : rounding;
-        if (!box || (primitive.placed && format && !(primitive_rounding < 0x1p-5))) {
+            primitive.transform ? 2 * matrix.condition * matrix.condition * rounding : rounding;
+        if (!box || (primitive.transform && format && !(primitive_rounding < 0x1p-5))) {
             tree->unboxed_.push_back(i);
             if (!has_mesh && tree->unboxed_.size() > max_unboxed_primitives) return nullptr;
             continue;

@@ -73,7 +73,7 @@ std::optional<Extent> measure_extent(const PrimitiveList<double>& primitives, co
     for (std::size_t i = 0; i < primitives.size(); ++i) {
         const Primitive<double> primitive = primitives[i];
         // The bound holds for forms of round primitives, in the space of the rays.
-        if (!row_of(primitive.shape).is_ball || primitive.placed) return std::nullopt;
+        if (!row_of(primitive.shape).is_ball || primitive.transform) return std::nullopt;
         const auto ball = ball_around(primitive);
         const double distance = size_of(ball.centre) + ball.radius;
         if (!(ball.radius > 0) || !std::isfinite(distance)) return std::nullopt;

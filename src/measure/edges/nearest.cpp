@@ -31,7 +31,7 @@ struct AimedRay {
 scene::rays::RayBlock block_of(const std::vector<AimedRay>& batch) {
     scene::rays::RayBlock rays;
     for (const AimedRay& aimed_ray : batch) rays.push(aimed_ray.ray);
-    rays.set_as_list();
+    rays.mark_as_list();
     return rays;
 }
 
@@ -163,7 +163,7 @@ public:
             std::vector<Eye> batch_eyes;
             std::vector<AimedRay> batch = next_batch(batch_eyes);
             std::erase_if(batch,
-                          [this](const AimedRay& aimed_ray) { return !file_.distance.holds(aimed_ray.distance); });
+                          [this](const AimedRay& aimed_ray) { return !file_.distance.contains(aimed_ray.distance); });
             batch.resize(std::min(batch.size(), static_cast<std::size_t>(rays_left)));
             rays_left -= static_cast<std::int64_t>(batch.size());
             count_batch(batch, finding);
@@ -186,7 +186,7 @@ public:
                 return searched_outcomes.at(outcome_index_) == Outcome::crack ? may_crack : may_hit_twice;
             });
             std::erase_if(suspects,
-                          [this](const AimedRay& aimed_ray) { return !file_.distance.holds(aimed_ray.distance); });
+                          [this](const AimedRay& aimed_ray) { return !file_.distance.contains(aimed_ray.distance); });
             if (suspects.empty()) continue;
 
             const NearestFinder finder = nearest_among(suspects);

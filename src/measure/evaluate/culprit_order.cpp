@@ -18,14 +18,14 @@ Scene small_picture_of(const Scene& scene, int max_across) {
     return small;
 }
 
-std::vector<const Metric*> order_culprits(const MapStudy& request, metric::MetricSet& metric_set) {
-    const auto culprit = std::ranges::find_if(request.metrics, &Metric::depends_on_forms);
-    if (culprit == request.metrics.end()) return request.metrics;
+std::vector<const Metric*> order_culprits(const MapStudy& study, metric::MetricSet& metric_set) {
+    const auto culprit = std::ranges::find_if(study.metrics, &Metric::depends_on_forms);
+    if (culprit == study.metrics.end()) return study.metrics;
 
     // Counts the culprits of all rows on a small picture.
-    const Scene small = small_picture_of(*request.scene, 96);
+    const Scene small = small_picture_of(*study.scene, 96);
     const auto summaries =
-        run_map({.scene = &small, .tested_forms = request.tested_forms, .metrics = {*culprit}, .limit = request.limit});
+        run_map({.scene = &small, .tested_forms = study.tested_forms, .metrics = {*culprit}, .limit = study.limit});
     const auto categories = (*culprit)->categories;
     std::vector<std::uint64_t> total(categories.size());
     for (const FormSummary& s : summaries)
@@ -37,7 +37,7 @@ std::vector<const Metric*> order_culprits(const MapStudy& request, metric::Metri
     std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });
     std::vector<std::string> operations;
     for (const std::size_t category : order) operations.emplace_back(categories[category]);
-    std::vector<const Metric*> metrics = request.metrics;
+    std::vector<const Metric*> metrics = study.metrics;
     std::ranges::replace(metrics, *culprit, metric_set.make_culprit(operations));
     return metrics;
 }

@@ -115,8 +115,8 @@ unsigned needs_of(const std::vector<const Metric*>& metrics) {
 unsigned needs_supported_by(const intersect::table::Intersector& form) {
     return ~((form.ball ? 0U : metric::needs_unrounded) | (form.record ? 0U : metric::needs_tape) |
              (form.bounded ? 0U : metric::needs_bound) |
-             (form.filter_arithmetic ? 0U : metric::needs_filter_arithmetic) |
-             (form.shapes().are_placed() ? 0U : metric::needs_steps) |
+             (form.deciding_arithmetic ? 0U : metric::needs_deciding_arithmetic) |
+             (form.shapes().have_transform() ? 0U : metric::needs_steps) |
              (intersect::bounding_box::has_box(form) ? 0U : metric::needs_levels | metric::needs_end_margin));
 }
 
@@ -124,7 +124,7 @@ namespace {
 
 /// Groups of rays with one primitive each, joined into one group whose rays are paired with their primitives.
 struct JoinedRays {
-    scene::rays::RayGroup rays = {.rays = {}, .primitives = {}, .paired = true};
+    scene::rays::RayGroup rays = {.rays = {}, .primitives = {}, .is_paired = true};
     std::vector<std::size_t> first_rays = {};  ///< index of the first ray of each group
 
     /// Converts the position of a ray in the joined group to its position in its own group.
@@ -146,7 +146,7 @@ struct JoinedRays {
 /// distributions have a group for each ray.
 std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups) {
     const auto can_be_joined = [&](const scene::rays::RayGroup& g) {
-        return g.primitives.size() == 1 && !g.paired && g.rays.size() > 0 && g.rays.width > 0 &&
+        return g.primitives.size() == 1 && !g.is_paired && g.rays.size() > 0 && g.rays.width > 0 &&
                g.primitives[0].shape == groups[0].primitives[0].shape &&
                g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
                g.rays.tmax.empty() == groups[0].rays.tmax.empty() &&
@@ -166,7 +166,7 @@ std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups)
         }
         joined.rays.primitives.insert(joined.rays.primitives.end(), g.rays.size(), g.primitives[0]);
     }
-    rays.set_as_list();
+    rays.mark_as_list();
     return joined;
 }
 

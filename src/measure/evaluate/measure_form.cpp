@@ -195,7 +195,7 @@ private:
 
         // The decision margin of a miss among several primitives is that of the one missed most narrowly.
         const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
-        const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->paired &&
+        const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->is_paired &&
                                     result_.inputs->primitives.size() > 1;
         fill(i, sample, [&](const Metric& m) { return applies(m) && !(misses_several && is_margin(m)); });
         if (!misses_several || std::ranges::none_of(metrics_, [&](const Metric* m) { return is_margin(*m); })) return;
@@ -253,7 +253,7 @@ private:
         if (unrounded) sample.unrounded = &*unrounded;
         const RayAttribution attribution = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;
-        const unsigned statement_needs = needs_ & ~unsigned{metric::needs_filter_arithmetic | metric::needs_levels};
+        const unsigned statement_needs = needs_ & ~unsigned{metric::needs_deciding_arithmetic | metric::needs_levels};
         const FormStatements statements(row_, statement_needs, in, ray, i, measured_index(i), -1);
         statements.fill(sample);
 

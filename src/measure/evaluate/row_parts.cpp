@@ -58,8 +58,9 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     // The bound, and the arithmetic of the filter.
     if ((needs & metric::needs_bound) && form.bounded)
         bounded_ = form.bounded(tested_form.format, ray, inputs.target_for(form, primitive), tmax);
-    if ((needs & metric::needs_filter_arithmetic) && form.filter_arithmetic)
-        filter_arithmetic_ = form.filter_arithmetic(tested_form.format, ray, inputs.target_for(form, primitive), tmax);
+    if ((needs & metric::needs_deciding_arithmetic) && form.deciding_arithmetic)
+        deciding_arithmetic_ =
+            form.deciding_arithmetic(tested_form.format, ray, inputs.target_for(form, primitive), tmax);
 
     // The levels of the boxes around the primitive that the ray truly meets.
     if ((needs & metric::needs_levels) && true_primitive >= 0) {
@@ -76,7 +77,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part_form))
         end_margin_ = answer::end_margin(part_form, tested_form.format, ray, tested_primitive, rays.range(i));
     if (!(needs & metric::needs_steps)) return;
-    if (!tested_primitive.placed || !part_form.is_placed) return;
+    if (!tested_primitive.transform || !part_form.has_transform_method) return;
     // A box in the world is not a transform step.
     steps_ = answer::measure_steps(intersect::bounding_box::without_world_boxes(part_form), tested_form.format, ray,
                                    tested_primitive, rays.range(i));
@@ -84,7 +85,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
 
 void FormStatements::fill(metric::Sample& sample) const {
     if (bounded_) sample.bounded = &*bounded_;
-    if (filter_arithmetic_) sample.filter_arithmetic = &*filter_arithmetic_;
+    if (deciding_arithmetic_) sample.deciding_arithmetic = &*deciding_arithmetic_;
     if (steps_) sample.steps = &*steps_;
     sample.end_margin = end_margin_;
     if (levels_) sample.levels = &*levels_;
@@ -157,7 +158,7 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
                .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
                .group = request_.group,
-               .primitive_index = result_.inputs->paired && object >= 0 ? first + object : object,
+               .primitive_index = result_.inputs->is_paired && object >= 0 ? first + object : object,
                .size = 0,
                .ray = result_.inputs->rays[i],
                .primitive = result_.inputs->primitives[primitive],

@@ -57,7 +57,7 @@ public:
 
 private:
     std::optional<intersect::BoundedAnswer> bounded_;
-    std::optional<intersect::FilterArithmetic> filter_arithmetic_;
+    std::optional<intersect::DecidingArithmetic> deciding_arithmetic_;
     std::optional<answer::Steps> steps_;
     std::optional<answer::Levels> levels_;
     double end_margin_ = truth::missing;

@@ -108,14 +108,14 @@ std::optional<NodeId> Terms::known_dot(const Triple& a, const Triple& b) const {
     return found == dots_.end() ? std::nullopt : std::optional(found->second);
 }
 
-NodeId Terms::renew(NodeId i, std::map<NodeId, NodeId>& renewed_nodes) {
+NodeId Terms::rebuild_node(NodeId i, std::map<NodeId, NodeId>& renewed_nodes) {
     if (const auto found = renewed_nodes.find(i); found != renewed_nodes.end()) return found->second;
     TapeNode n = tape_[i];
     bool is_changed = false;
     if (!is_given(n.op))
         for (NodeId& operand : n.operands) {
             if (operand == no_node) continue;
-            const NodeId replacement = renew(operand, renewed_nodes);
+            const NodeId replacement = rebuild_node(operand, renewed_nodes);
             is_changed |= replacement != operand;
             operand = replacement;
         }
@@ -134,8 +134,8 @@ TapeOutputs Terms::replace_nodes(const TapeOutputs& outputs,
         unite(node, replacement);
         renewed_nodes[node] = replacement;
     }
-    return {renew(outputs.hit, renewed_nodes), renew(outputs.t, renewed_nodes), renew(outputs.near, renewed_nodes),
-            renew(outputs.far, renewed_nodes)};
+    return {rebuild_node(outputs.hit, renewed_nodes), rebuild_node(outputs.t, renewed_nodes),
+            rebuild_node(outputs.near, renewed_nodes), rebuild_node(outputs.far, renewed_nodes)};
 }
 
 std::vector<NodeId> Terms::nodes_of(const TapeOutputs& outputs) const {

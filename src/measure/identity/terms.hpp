@@ -65,7 +65,7 @@ private:
     using Key = std::tuple<TapeOp, int, NodeId, NodeId, NodeId>;
     NodeId find_or_add(TapeNode n);
     void remember_dot(NodeId i);
-    NodeId renew(NodeId i, std::map<NodeId, NodeId>& renewed_nodes);
+    NodeId rebuild_node(NodeId i, std::map<NodeId, NodeId>& renewed_nodes);
 
     Tape tape_;
     FloatFormat format_;

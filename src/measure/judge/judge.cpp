@@ -17,16 +17,16 @@
 #include "measure/evaluate/measure_form.hpp"
 #include "measure/study/bands.hpp"
 #include "number/error.hpp"
-#include "scene/dump/number_parser.hpp"
+#include "scene/ray_file/number_parser.hpp"
 #include "text/count_with_noun.hpp"
 
 namespace lostbits::measure::judge {
 
 using evaluate::FormSummary;
 using evaluate::TestedForm;
-using scene::dump::Chunk;
-using scene::dump::Dump;
-using scene::dump::Records;
+using scene::ray_file::Chunk;
+using scene::ray_file::RayFile;
+using scene::ray_file::Records;
 using scene::rays::RayGroup;
 using truth::Band;
 using truth::FormatInputs;
@@ -55,9 +55,9 @@ std::size_t records_of_piece(const JudgeRequest& request) {
            static_cast<std::size_t>(width);
 }
 
-[[noreturn]] void fail_wrong_size(const Dump& dump, const JudgeRequest& request, const JudgeResult& result,
+[[noreturn]] void fail_wrong_size(const RayFile& ray_file, const JudgeRequest& request, const JudgeResult& result,
                                   const char* count_phrase) {
-    throw InputError(dump.name() + ": the file " + count_phrase + " " + text::count_with_noun(result.rays, "ray") +
+    throw InputError(ray_file.name() + ": the file " + count_phrase + " " + text::count_with_noun(result.rays, "ray") +
                      ", but a picture of " + std::to_string(request.picture->first) + "x" +
                      std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
                      " pixels; give --size as columns x rows, with one pixel for each ray");
@@ -68,17 +68,18 @@ constexpr std::size_t max_first_rays = 4096;  // limit of JudgeResult::first_sam
 /// Judges one file: reads it piece by piece, prepares several pieces at a time, and measures them in order.
 class RayFileJudge {
 public:
-    RayFileJudge(Dump& dump, const JudgeRequest& request, const ShowJudged& show)
-        : dump_(dump),
+    RayFileJudge(RayFile& ray_file, const JudgeRequest& request, const ShowJudged& show)
+        : ray_file_(ray_file),
           request_(request),
           show_(show),
           file_form_index_(request.file_form_index()),
           primitives_(scene::rays::primitive_list_of(group_of_primitives())) {
-        if (file_form_index_ && dump.layout().decides_only() && file_form().form->info->roots != intersect::Roots::none)
+        if (file_form_index_ && ray_file.layout().has_only_decisions() &&
+            file_form().form->info->roots != intersect::Roots::none)
             throw std::logic_error("a file without a t is judged by a row that has one");
 
-        const bool has_own_primitives = dump.layout().primitive() || dump.layout().has_matrix();
-        if (!has_own_primitives) dump.number_primitives(primitives_.size());
+        const bool has_own_primitives = ray_file.layout().primitive_shape() || ray_file.layout().has_matrix();
+        if (!has_own_primitives) ray_file.number_primitives(primitives_.size());
         if (!has_own_primitives && request.mesh) culler_.emplace(primitives_);
         for (std::size_t r = 0; r < request.tested_forms.size(); ++r) result_.summaries.emplace_back(request.metrics);
     }
@@ -100,7 +101,7 @@ public:
             in_standard_state([this](const std::shared_ptr<Piece>& piece) { measure(*piece); }));
 
         tbb::parallel_pipeline(max_pieces, read_filter & prepare_filter & measure_filter);
-        if (!request_.pieces) require_ray_count(dump_, request_, result_);
+        if (!request_.pieces) require_ray_count(ray_file_, request_, result_);
         return std::move(result_);
     }
 
@@ -108,7 +109,7 @@ private:
     [[nodiscard]] const TestedForm& file_form() const { return request_.tested_forms[*file_form_index_]; }
     [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
     [[noreturn]] void fail_wrong_size(const char* count_phrase) const {
-        lostbits::measure::judge::fail_wrong_size(dump_, request_, result_, count_phrase);
+        lostbits::measure::judge::fail_wrong_size(ray_file_, request_, result_, count_phrase);
     }
 
     std::shared_ptr<Piece> read_piece(tbb::flow_control& flow) {
@@ -122,9 +123,9 @@ private:
 
         // Skips the pieces before the first one requested.
         try {
-            bool is_read = dump_.next(record_count, piece->records);
+            bool is_read = ray_file_.next(record_count, piece->records);
             for (; is_read && request_.pieces && pieces_read_ < request_.pieces->first; ++pieces_read_)
-                is_read = dump_.next(record_count, piece->records);
+                is_read = ray_file_.next(record_count, piece->records);
             ++pieces_read_;
             if (!is_read) flow.stop();
         } catch (...) {
@@ -137,7 +138,7 @@ private:
     void prepare(Piece& piece) const {
         if (piece.read_error) return;
         try {
-            piece.chunk = dump_.decode(piece.records);
+            piece.chunk = ray_file_.decode(piece.records);
         } catch (...) {
             piece.read_error = std::current_exception();
             return;
@@ -162,8 +163,8 @@ private:
         group.rays.y0 = has_whole_lines ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? ray_count / width : 1);
 
-        group.paired = !chunk.primitives.empty();
-        if (group.paired) {
+        group.is_paired = !chunk.primitives.empty();
+        if (group.is_paired) {
             group.primitives = chunk.primitives;
         } else {
             group.primitives = request_.primitives;
@@ -239,7 +240,7 @@ private:
             const bool are_all_floats = result_.float_answers == result_.nonzero_answer_count;
             result_.nonzero_answer_count += t != 0;
             result_.float_answers += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
-                                                (are_all_floats && scene::dump::is_float_in_decimal(t)));
+                                                (are_all_floats && scene::ray_file::is_float_in_decimal(t)));
         }
     }
 
@@ -277,13 +278,14 @@ private:
     /// Groups the rays, and makes groups for new values. Nothing if grouping is not requested.
     std::vector<evaluate::RaysWithValue> group_rays(const Chunk& chunk) {
         if (!request_.group_column) return {};
-        const std::size_t columns = dump_.layout().kept().size();
+        const std::size_t columns = ray_file_.layout().kept_columns().size();
         auto values = evaluate::group_by_value(std::span(chunk.kept).subspan(*request_.group_column), columns);
         try {
             for (const auto& rays_of_value : values)
                 result_.groups.add(rays_of_value.value, request_.tested_forms.size(), request_.metrics);
         } catch (const InputError& e) {
-            throw InputError(dump_.name() + ": " + dump_.layout().kept()[*request_.group_column] + " has " + e.what());
+            throw InputError(ray_file_.name() + ": " + ray_file_.layout().kept_columns()[*request_.group_column] +
+                             " has " + e.what());
         }
         return values;
     }
@@ -303,7 +305,7 @@ private:
         }
     }
 
-    Dump& dump_;
+    RayFile& ray_file_;
     const JudgeRequest& request_;
     const ShowJudged& show_;
     std::optional<std::size_t> file_form_index_;     ///< index of the row of the file's answers
@@ -349,21 +351,21 @@ bool JudgeResult::has_all_samples(const evaluate::FormSummary& file) const {
     return first_samples.size() + right_misses + file.count(answer::Outcome::unresolved) >= rays;
 }
 
-std::uint64_t count_pieces(Dump& dump, const JudgeRequest& request) {
+std::uint64_t count_pieces(RayFile& ray_file, const JudgeRequest& request) {
     Records records;
     std::uint64_t pieces = 0;
-    while (dump.next(records_of_piece(request), records)) ++pieces;
+    while (ray_file.next(records_of_piece(request), records)) ++pieces;
     return pieces;
 }
 
-void require_ray_count(const Dump& dump, const JudgeRequest& request, const JudgeResult& result) {
+void require_ray_count(const RayFile& ray_file, const JudgeRequest& request, const JudgeResult& result) {
     if (result.rays == 0)
-        throw InputError(dump.name() + ": has no rays; write one record for each ray after the header");
-    if (request.picture && result.rays != pixels_of(request)) fail_wrong_size(dump, request, result, "has");
+        throw InputError(ray_file.name() + ": has no rays; write one record for each ray after the header");
+    if (request.picture && result.rays != pixels_of(request)) fail_wrong_size(ray_file, request, result, "has");
 }
 
-JudgeResult run_judge(Dump& dump, const JudgeRequest& request, const ShowJudged& show) {
-    return RayFileJudge(dump, request, show).run();
+JudgeResult run_judge(RayFile& ray_file, const JudgeRequest& request, const ShowJudged& show) {
+    return RayFileJudge(ray_file, request, show).run();
 }
 
 std::string name_of_answers(const std::string& name) {

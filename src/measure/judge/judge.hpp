@@ -12,7 +12,7 @@
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/evaluate/groups.hpp"
 #include "measure/shard/share.hpp"
-#include "scene/dump/dump.hpp"
+#include "scene/ray_file/ray_file.hpp"
 #include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::judge {
@@ -37,7 +37,7 @@ private:
 };
 
 struct JudgeRequest {
-    /// Primitives of all rays, in the format of the dump. If there are none and no mesh, each ray has its own.
+    /// Primitives of all rays, in the format of the ray file. If there are none and no mesh, each ray has its own.
     std::vector<Primitive<double>> primitives = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     std::optional<intersect::MarchConstants<double>> march = {};
@@ -46,7 +46,7 @@ struct JudgeRequest {
     const intersect::table::Intersector* file_answers_form = nullptr;
     std::vector<const metric::Metric*> metrics = {};
     std::optional<std::pair<int, int>> picture = {};  ///< numbers of columns and lines; absent: the rays are a list
-    /// Index of the column by whose values rays are grouped, among the columns that the dump keeps.
+    /// Index of the column by whose values rays are grouped, among the columns that the ray file keeps.
     std::optional<std::size_t> group_column = {};
     truth::ProofLimit limit = {};
     truth::StageCounts* stages = nullptr;  ///< receives the counts of stages; may be null
@@ -64,8 +64,8 @@ struct JudgeRequest {
 
 /// Receives the results of a row for some rays, with the file's record of these rays. Called in order for each row;
 /// different forms may be shown at the same time.
-using ShowJudged =
-    std::function<void(std::size_t form_index, const scene::dump::Chunk& chunk, const evaluate::BandResult& result)>;
+using ShowJudged = std::function<void(std::size_t form_index, const scene::ray_file::Chunk& chunk,
+                                      const evaluate::BandResult& result)>;
 
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row
@@ -92,14 +92,15 @@ struct JudgeResult {
 
 /// Counts the pieces in which the file is measured, which depend only on the request's picture and the file. Reads the
 /// file to its end.
-std::uint64_t count_pieces(scene::dump::Dump& dump, const JudgeRequest& request);
+std::uint64_t count_pieces(scene::ray_file::RayFile& ray_file, const JudgeRequest& request);
 
 /// Throws InputError if the file has no rays, or another number of rays than the picture.
-void require_ray_count(const scene::dump::Dump& dump, const JudgeRequest& request, const JudgeResult& result);
+void require_ray_count(const scene::ray_file::RayFile& ray_file, const JudgeRequest& request,
+                       const JudgeResult& result);
 
-/// Reads the dump to its end, or to the end of its pieces. Memory does not grow with the file, and the results do not
-/// depend on the number of threads: the pieces depend only on the rays, and are added in order. Throws InputError, with
-/// the position, for anything the dump refuses, for rays that do not fit the picture, and for too many groups.
-JudgeResult run_judge(scene::dump::Dump& dump, const JudgeRequest& request, const ShowJudged& show = {});
+/// Reads the ray file to its end, or to the end of its pieces. Memory does not grow with the file, and the results do
+/// not depend on the number of threads: the pieces depend only on the rays, and are added in order. Throws InputError,
+/// with the position, for anything the ray file refuses, for rays that do not fit the picture, and for too many groups.
+JudgeResult run_judge(scene::ray_file::RayFile& ray_file, const JudgeRequest& request, const ShowJudged& show = {});
 
 }  // namespace lostbits::measure::judge

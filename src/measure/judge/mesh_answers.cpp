@@ -13,7 +13,7 @@
 namespace lostbits::measure::judge {
 
 using crossing::MeshCrossings;
-using scene::dump::AnswerKind, scene::dump::Chunk, scene::dump::Dump, scene::dump::Records;
+using scene::ray_file::AnswerKind, scene::ray_file::Chunk, scene::ray_file::RayFile, scene::ray_file::Records;
 using scene::rays::PrimitiveList;
 
 namespace {
@@ -30,17 +30,21 @@ PrimitiveList<double> triangles_of(const MeshAnswersRequest& request) {
 /// Judges one file of answers about a mesh: reads some pieces, measures their answers, and so on.
 class MeshFileJudge {
 public:
-    MeshFileJudge(Dump& dump, const MeshAnswersRequest& request, const ShowAnswers& show)
-        : dump_(dump), request_(request), show_(show), primitives_(triangles_of(request)), culler_(primitives_) {
-        result_.kind = dump.layout().answers();
-        if (dump.layout().has(scene::dump::slot::object)) dump.number_primitives(primitives_.size());
+    MeshFileJudge(RayFile& ray_file, const MeshAnswersRequest& request, const ShowAnswers& show)
+        : ray_file_(ray_file),
+          request_(request),
+          show_(show),
+          primitives_(triangles_of(request)),
+          culler_(primitives_) {
+        result_.kind = ray_file.layout().answer_kind();
+        if (ray_file.layout().has(scene::ray_file::slot::object)) ray_file.number_primitives(primitives_.size());
     }
 
     MeshAnswersResult run() {
         while (read_pieces()) measure(complete_answers());
         measure(pending_.size());
         if (result_.rays == 0)
-            throw InputError(dump_.name() + ": has no records; write one for each ray or point after the header");
+            throw InputError(ray_file_.name() + ": has no records; write one for each ray or point after the header");
         return std::move(result_);
     }
 
@@ -53,14 +57,14 @@ private:
         while (pieces.size() < max_pieces) {
             request_.limit.stop.check();
             Records records;
-            if (!dump_.next(records_per_piece, records)) break;
+            if (!ray_file_.next(records_per_piece, records)) break;
             pieces.push_back(std::move(records));
         }
 
         // Decodes them at the same time, and appends them in order.
         std::vector<Chunk> chunks(pieces.size());
         intersect::process::in_parallel(std::size_t{0}, pieces.size(),
-                                        [&](std::size_t k) { chunks[k] = dump_.decode(pieces[k]); });
+                                        [&](std::size_t k) { chunks[k] = ray_file_.decode(pieces[k]); });
         for (std::size_t k = 0; k < chunks.size(); ++k) {
             for (std::size_t i = 0; i < chunks[k].size(); ++i) append(chunks[k], i);
             result_.rounded_count += chunks[k].rounded_count;
@@ -141,7 +145,7 @@ private:
                                                                       : MeshOutcome::false_inside;
     }
     void find_errors(JudgedAnswer& answer) const {
-        const FloatFormat& format = dump_.format().parameters;
+        const FloatFormat& format = ray_file_.format().parameters;
         answer.ulps.assign(answer.hits.size(), truth::missing);
         for (std::size_t k = 0; k < answer.hits.size(); ++k) {
             const crossing::MeshCrossing* const owner = answer.judgement.crossings_of_hits[k];
@@ -169,11 +173,11 @@ private:
         for (const double ulps : answer.ulps) {
             if (std::isnan(ulps)) continue;
             result_.ulps.add(ulps);
-            result_.lost_bits.add(truth::lost_bits(ulps, dump_.format().parameters.precision));
+            result_.lost_bits.add(truth::lost_bits(ulps, ray_file_.format().parameters.precision));
         }
     }
 
-    Dump& dump_;
+    RayFile& ray_file_;
     const MeshAnswersRequest& request_;
     const ShowAnswers& show_;
     PrimitiveList<double> primitives_;
@@ -199,8 +203,8 @@ void require_inside(const scene::triangle::Mesh& mesh, const std::string& file) 
                      "rays");
 }
 
-MeshAnswersResult judge_mesh_answers(Dump& dump, const MeshAnswersRequest& request, const ShowAnswers& show) {
-    return MeshFileJudge(dump, request, show).run();
+MeshAnswersResult judge_mesh_answers(RayFile& ray_file, const MeshAnswersRequest& request, const ShowAnswers& show) {
+    return MeshFileJudge(ray_file, request, show).run();
 }
 
 }  // namespace lostbits::measure::judge

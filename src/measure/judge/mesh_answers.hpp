@@ -11,12 +11,12 @@
 
 #include "measure/judge/mesh_outcome.hpp"
 #include "measure/metric/statistics.hpp"
-#include "scene/dump/dump.hpp"
+#include "scene/ray_file/ray_file.hpp"
 
 namespace lostbits::measure::judge {
 
 struct MeshAnswersRequest {
-    std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< in the format of the dump
+    std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< in the format of the ray file
     MeshContract contract = {};
     truth::ProofLimit limit = {};
     /// Receives the number of bytes of the file done since the last call; may throw to stop.
@@ -39,7 +39,7 @@ struct JudgedAnswer {
 using ShowAnswers = std::function<void(std::span<const JudgedAnswer> answers)>;
 
 struct MeshAnswersResult {
-    scene::dump::AnswerKind kind = scene::dump::AnswerKind::none;
+    scene::ray_file::AnswerKind kind = scene::ray_file::AnswerKind::none;
     std::uint64_t rays = 0;  ///< rays or points
     std::array<std::uint64_t, mesh_outcome_rows.size()> outcomes{};
     /// The first ray or point of each outcome that is a fault.
@@ -58,10 +58,10 @@ struct MeshAnswersResult {
 /// begins with `file`.
 void require_inside(const scene::triangle::Mesh& mesh, const std::string& file);
 
-/// Reads the dump to its end. Memory grows with the number of hits of a ray, not with the file. The results do not
-/// depend on the number of threads. Throws InputError, with the position, for anything that the dump refuses, and for a
-/// file without records.
-MeshAnswersResult judge_mesh_answers(scene::dump::Dump& dump, const MeshAnswersRequest& request,
+/// Reads the ray file to its end. Memory grows with the number of hits of a ray, not with the file. The results do not
+/// depend on the number of threads. Throws InputError, with the position, for anything that the ray file refuses, and
+/// for a file without records.
+MeshAnswersResult judge_mesh_answers(scene::ray_file::RayFile& ray_file, const MeshAnswersRequest& request,
                                      const ShowAnswers& show = {});
 
 }  // namespace lostbits::measure::judge

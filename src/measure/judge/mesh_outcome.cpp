@@ -7,11 +7,11 @@
 namespace lostbits::measure::judge {
 
 using crossing::MeshCrossing, crossing::MeshCrossings;
-using scene::dump::AnswerKind;
+using scene::ray_file::AnswerKind;
 using scene::rays::MeshColumns;
 using Surface = SurfaceCrossings::Surface;
 
-bool can_be(MeshOutcome outcome, AnswerKind kind) {
+bool can_have_outcome(MeshOutcome outcome, AnswerKind kind) {
     switch (outcome) {
         case MeshOutcome::agree:
         case MeshOutcome::unresolved: return true;

@@ -10,7 +10,7 @@
 
 #include "intersect/info.hpp"
 #include "measure/crossing/mesh_crossings.hpp"
-#include "scene/dump/layout.hpp"
+#include "scene/ray_file/layout.hpp"
 #include "scene/rays/primitive_list.hpp"
 
 namespace lostbits::measure::judge {
@@ -58,7 +58,7 @@ inline constexpr bool is_fault(MeshOutcome outcome) {
     return outcome != MeshOutcome::agree && outcome != MeshOutcome::on_surface;
 }
 /// True if answers of this kind can have the outcome.
-bool can_be(MeshOutcome outcome, scene::dump::AnswerKind kind);
+bool can_have_outcome(MeshOutcome outcome, scene::ray_file::AnswerKind kind);
 
 /// One hit in a list.
 struct ListedHit {

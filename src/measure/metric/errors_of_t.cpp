@@ -29,7 +29,7 @@ double error_at_zero(const Sample& s) {
     for (int axis = 0; axis < 3; ++axis) include(s.ray->origin[axis]);
     for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
         for (std::size_t k = first; k < first + key.count(); ++k)
-            if (key.kind != Key::Kind::direction && !s.primitive->placed) include(s.primitive->numbers[k]);
+            if (key.kind != Key::Kind::direction && !s.primitive->transform) include(s.primitive->numbers[k]);
     });
     return in_roundoffs(distance_error(s) / largest, s);
 }
@@ -42,7 +42,7 @@ double root(const Sample& s) {
 }
 
 double derivative_error(const Sample& s) {
-    if (!s.attribution || s.march || !s.primitive || s.primitive->placed) return missing;
+    if (!s.attribution || s.march || !s.primitive || s.primitive->transform) return missing;
     if (s.attribution->attribution->subject != s.attribution->tape->outputs.t) return missing;
     const std::vector<double> exact = truth::gradient(*s.ray, *s.primitive, s.convention, s.range);
     if (exact.empty()) return missing;

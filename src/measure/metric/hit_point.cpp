@@ -73,15 +73,15 @@ template <class E, template <class> class S>
 E relative_distance(const Vec<double>& p, const Primitive<double>& primitive) {
     const Primitive<E> lifted = lift_primitive<E>(primitive);
     const Vec<E> point = lift_vec<E>(p);
-    return lifted.template as<S>().relative_distance(lifted.placed ? point_to_object_space(point, *lifted.placed)
-                                                                   : point);
+    return lifted.template as<S>().relative_distance(lifted.transform ? point_to_object_space(point, *lifted.transform)
+                                                                      : point);
 }
 
 double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
     return visit(primitive, [&]<template <class> class S>(const S<double>&) {
         const double point[] = {p.x, p.y, p.z};
         const auto coordinate = [&primitive](int k) { return primitive.numbers[static_cast<std::size_t>(k)]; };
-        if (double fast_result; !primitive.placed && columns::find_residual<S>(point, coordinate, fast_result))
+        if (double fast_result; !primitive.transform && columns::find_residual<S>(point, coordinate, fast_result))
             return fast_result;
         return evaluate_enclosed([&]<class E>() { return relative_distance<E, S>(p, primitive); });
     });
@@ -101,11 +101,12 @@ std::optional<double> computed_weight(const Sample& s, std::size_t vertex) {
 double weight_error(double x, const Sample& s, std::size_t vertex) {
     if (!std::isfinite(x)) return HUGE_VAL;
     return visit_shape(*s.primitive, [&]<template <class> class S>() {
-        if constexpr (requires(const S<double>& shape) { shape.weights(Ray<double>()); }) {
+        if constexpr (requires(const S<double>& shape) { shape.barycentric_coordinates(Ray<double>()); }) {
             return std::fabs(evaluate_enclosed([&]<class E>() {
                 return visit_in_object_space<S>(lift_ray<E>(*s.ray), lift_primitive<E>(*s.primitive),
                                                 [&](const S<E>& shape, const Ray<E>& ray) -> E {
-                                                    return E(x) - shape.weights(ray)[static_cast<int>(vertex)];
+                                                    return E(x) -
+                                                           shape.barycentric_coordinates(ray)[static_cast<int>(vertex)];
                                                 });
             }));
         } else {
@@ -186,7 +187,7 @@ double residual(const Sample& s) {
 }
 
 double normal_error(const Sample& s) {
-    if (s.primitive->placed) return missing;
+    if (s.primitive->transform) return missing;
     const auto normal_at = [](const auto& ray, const auto& primitive, const auto& p) {
         return lift_vec<Real>(visit(primitive, [&](const auto& shape) { return shape.outward_normal(ray, p); }));
     };

@@ -55,7 +55,9 @@ double bound_ratio(const Sample& s) {
 
 double decision(const Sample& s) { return s.bounded ? (s.bounded->proved ? 0 : 1) : missing; }
 
-double arithmetic(const Sample& s) { return s.filter_arithmetic ? static_cast<double>(*s.filter_arithmetic) : missing; }
+double arithmetic(const Sample& s) {
+    return s.deciding_arithmetic ? static_cast<double>(*s.deciding_arithmetic) : missing;
+}
 
 double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
 double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
@@ -163,10 +165,10 @@ constexpr Metric table[] = {
         "words, or exact sums; for the primitive that the form hits, else the one truly hit, else the ray's own or "
         "the first of several",
         arithmetic,
-        {.needs = needs_filter_arithmetic,
+        {.needs = needs_deciding_arithmetic,
          .ramp = Ramp::categories,
          .domain = MetricDomain::every,
-         .categories = intersect::filter_arithmetic_names}),
+         .categories = intersect::arithmetic_names}),
     table_row(
         {"worst_step", "", "space.step"},
         "for a primitive under a matrix: the step to object space or back to which most of the error of t is assigned, "

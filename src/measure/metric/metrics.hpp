@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "intersect/march.hpp"
 #include "measure/answer/outcome.hpp"
 #include "measure/answer/steps.hpp"
@@ -22,8 +22,8 @@
 namespace lostbits::measure::metric {
 
 /// Everything known about one ray on which form and truth agree on a hit. For any other ray, only `format`, `ray`,
-/// `march`, `bounded` and `filter_arithmetic` are set. Null pointers stand for values that no selected metric needs, or
-/// that do not exist (a form that misses in exact arithmetic has no `unrounded`).
+/// `march`, `bounded` and `deciding_arithmetic` are set. Null pointers stand for values that no selected metric needs,
+/// or that do not exist (a form that misses in exact arithmetic has no `unrounded`).
 struct Sample {
     double t = truth::missing;       ///< the form's answer, a number of the format
     const Format* format = nullptr;  ///< the format of the form under test
@@ -42,7 +42,7 @@ struct Sample {
     const attribution::RayAttribution* attribution = nullptr;  ///< the operation that lost the bits
     const intersect::BoundedAnswer* bounded = nullptr;         ///< the answer with the form's own bound
     /// For a form that filters: the arithmetic that settled the ray.
-    const intersect::FilterArithmetic* filter_arithmetic = nullptr;
+    const intersect::DecidingArithmetic* deciding_arithmetic = nullptr;
     const answer::Steps* steps = nullptr;                   ///< for a form that transforms the ray to object space
     const answer::Levels* levels = nullptr;                 ///< for a form behind a box, where the ray truly hits
     double end_margin = truth::missing;                     ///< for a form behind a box
@@ -65,7 +65,7 @@ enum Needs : unsigned {
     needs_condition = 8,
     needs_attribution = 16,
     needs_bound = 32,  ///< for a format that is the machine's own
-    needs_filter_arithmetic = 64,
+    needs_deciding_arithmetic = 64,
     needs_counterfactuals = 128,
     needs_reach = 256,
     needs_reach_normwise = 512,

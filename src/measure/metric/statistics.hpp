@@ -208,11 +208,11 @@ struct Agreement {
                static_cast<double>(agreed_count) >= min_agreement * static_cast<double>(true_hit_count);
     }
     /// Text beside a quantile: `of 55 agreed hits`.
-    [[nodiscard]] std::string of_agreed_hits() const {
+    [[nodiscard]] std::string of_agreed_hits_text() const {
         return "of " + text::count_with_noun(agreed_count, "agreed hit");
     }
     /// Text in place of a withheld quantile: `55 of 16384 hits agree`.
-    [[nodiscard]] std::string too_few() const {
+    [[nodiscard]] std::string too_few_text() const {
         return std::to_string(agreed_count) + " of " + text::count_with_noun(true_hit_count, "hit") +
                (agreed_count == 1 ? " agrees" : " agree");
     }

@@ -42,8 +42,8 @@ std::optional<double> find_exit(const Ray<double>& ray, const Primitive<double>&
 /// prove nothing.
 double min_distance(const Vec<double>& p, const Primitive<double>& primitive) {
     using Running = number::wide::Running<double>;
-    if (primitive.placed && !has_bounding_box(primitive.shape)) return 0;  // the primitive has no bounding ball
-    if (primitive.placed && primitive.placed->is_inverse) return 0;        // rounding could put the ball anywhere
+    if (primitive.transform && !has_bounding_box(primitive.shape)) return 0;  // the primitive has no bounding ball
+    if (primitive.transform && primitive.transform->is_inverse) return 0;     // rounding could put the ball anywhere
     const Vec<Running> point = lift_vec<Running>(p);
     const Primitive<Running> running_primitive = lift_primitive<Running>(primitive);
     const auto distance_from_surface = [&point](const auto& shape) {
@@ -54,7 +54,7 @@ double min_distance(const Vec<double>& p, const Primitive<double>& primitive) {
         return length(Vec<Running>(point - ball.centre)) - ball.radius;
     };
     const Running separation =
-        primitive.placed ? distance_from_ball() : visit(running_primitive, distance_from_surface);
+        primitive.transform ? distance_from_ball() : visit(running_primitive, distance_from_surface);
     return std::max(0.0, (separation.first() - separation.radius()) * (1 - 0x1p-50));
 }
 
@@ -168,7 +168,7 @@ private:
         const Vec<T> point = add_scaled<T>(ray.origin, t, ray.direction);
         StrategyInput<T> strategy_input{ray,  t,   lift_primitive<T>(departed_primitive()), {}, point, point, point,
                                         T(1), T(1)};
-        if (strategy_input.primitive.placed) compute_object_point(strategy_input);
+        if (strategy_input.primitive.transform) compute_object_point(strategy_input);
         else compute_point(strategy_input.ray, strategy_input.primitive, strategy_input.point, strategy_input.normal);
         return strategy_input;
     }
@@ -198,15 +198,15 @@ private:
         const T signed_e = side == Side::outside ? static_cast<T>(e) : -static_cast<T>(e);
         return as_doubles(add_scaled<T>(strategy_input_.point, signed_e, strategy_input_.normal));
     }
-    /// Finds the smallest offset that `judge` calls enough, up to 64 times the largest number of the point and the
+    /// Finds the smallest offset that `verdict_on` calls enough, up to 64 times the largest number of the point and the
     /// primitive; infinite if there is none.
-    template <class Judge>
-    [[nodiscard]] double smallest_offset(const Judge& judge) const {
+    template <class VerdictOn>
+    [[nodiscard]] double smallest_offset(const VerdictOn& verdict_on) const {
         const FloatFormat& format = work_.tested_form_.format.parameters;
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
         for (const double x : departed_primitive().shape_numbers()) size = std::max(size, std::fabs(x));
-        return smallest_enough(format, start, 64 * size, judge);
+        return smallest_enough(format, start, 64 * size, verdict_on);
     }
 
     /// Projects p onto the surface if the kind of the points is `HitPointKind::projected`, and computes the normal
@@ -228,8 +228,8 @@ private:
                  .method);
 
         // The ray, the point and the normal in object space.
-        const Placement<T> placed = *std::exchange(strategy_input.primitive.placed, std::nullopt);
-        const auto maps = steps.maps(placed);
+        const Transform<T> transform = *std::exchange(strategy_input.primitive.transform, std::nullopt);
+        const auto maps = steps.maps(transform);
         const auto object_ray = steps.to_object(maps, strategy_input.ray);
         const T t = strategy_input.t * object_ray.length;
         const Ray<T> ray{object_ray.ray.origin / object_ray.scale, object_ray.ray.direction / object_ray.scale};
@@ -241,7 +241,7 @@ private:
         if (work_.point_kind_ == HitPointKind::projected)
             strategy_input.point = maps.to_world.point(object_point.point);
         const auto& rows = maps.to_object.rows;
-        const T sign = as_double(object_ray.scale) == 1 || placed.orientation > 0 ? T(1) : T(-1);
+        const T sign = as_double(object_ray.scale) == 1 || transform.orientation > 0 ? T(1) : T(-1);
         strategy_input.normal = unit_of<T>(sign * times(rows, object_point.normal));
         strategy_input.object_point = object_point;
     }

@@ -10,11 +10,11 @@ namespace lostbits::measure::offset {
 /// Returns the same as `ball_around`, but also accepts a primitive under a stored inverse A; its matrix is
 /// adj(A)/det(A).
 inline auto bounding_ball_of(const Primitive<double>& primitive) {
-    if (!primitive.placed || !primitive.placed->is_inverse) return ball_around(primitive);
+    if (!primitive.transform || !primitive.transform->is_inverse) return ball_around(primitive);
     Primitive<double> object_primitive = primitive;
-    object_primitive.placed.reset();
+    object_primitive.transform.reset();
     auto ball = ball_around(object_primitive);
-    const Affine<double> m = primitive.placed->map();
+    const Affine<double> m = primitive.transform->map();
     const auto columns = m.adjugate();
     const double det = m.determinant();
     ball.centre = times(columns, ball.centre - m.shift) / det;

@@ -120,8 +120,8 @@ template <class Find>
 auto escalate(const Find& find) {
     if (const auto by_running_errors = find.template operator()<number::wide::Running<double>>())
         return *by_running_errors;
-    if (const auto by_intervals = truth::by_rising_precision(find)) return *by_intervals;
-    throw Error(Exit::internal, "no precision was enough to decide how a ray meets a primitive");
+    if (const auto by_intervals = truth::find_at_rising_precision(find)) return *by_intervals;
+    throw Error(ExitStatus::internal, "no precision was enough to decide how a ray meets a primitive");
 }
 
 /// True if the segment a + s(b − a), 0 ≤ s ≤ 1, meets the open primitive; nothing if this precision does not decide. A

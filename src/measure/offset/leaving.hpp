@@ -15,7 +15,7 @@
 
 namespace lostbits::measure::offset {
 
-/// The hit point of a primitive under a matrix, in the object space of the primitive.
+/// The hit point of a transformed primitive, in the object space of the primitive.
 template <class T>
 struct ObjectPoint {
     Ray<T> ray;
@@ -24,14 +24,14 @@ struct ObjectPoint {
     Affine<T> to_world, to_object;
 };
 
-/// Input of a strategy: a ray hit a primitive at t, and a new ray leaves the hit point. Everything but
-/// `object_point` is in world space. The numbers of a primitive under a matrix are in its object space.
+/// Input of a strategy: a ray hit a primitive at t, and a new ray leaves the hit point. Everything but `object_point`
+/// is in world space. The numbers of a transformed primitive are in its object space.
 template <class T>
 struct StrategyInput {
     Ray<T> ray;
     T t;
     Primitive<T> primitive;
-    std::optional<ObjectPoint<T>> object_point = {};  ///< for a primitive under a matrix
+    std::optional<ObjectPoint<T>> object_point = {};  ///< for a transformed primitive
     Vec<T> point;                                     ///< as computed
     Vec<T> normal;                                    ///< the outward unit normal as computed
     Vec<T> new_direction;                             ///< of unit length up to rounding

@@ -140,8 +140,8 @@ private:
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
                 if (s.first_bad_rays[f] || !ray.has(static_cast<Fault>(f))) continue;
                 s.first_bad_rays[f] =
-                    BadRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
-                           inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};
+                    FaultyRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
+                              inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};
             }
         }
     }

@@ -21,19 +21,20 @@ inline constexpr std::array<std::string_view, 2> point_names{"computed", "projec
 inline constexpr std::string_view name_of(HitPointKind p) { return point_names[static_cast<std::size_t>(p)]; }
 
 /// New ray with a fault, and everything needed to reproduce it.
-struct BadRay {
+struct FaultyRay {
     int x = -1, y = -1;
     int primitive_index = -1;
     NewRay ray{};
     Primitive<double> primitive{};
 };
 
-LOSTBITS_FIELDS(BadRay, x, y, primitive_index, ray, primitive)
+LOSTBITS_FIELDS(FaultyRay, x, y, primitive_index, ray, primitive)
 
 /// Results of one strategy to one side, over all points.
 struct StrategySummary {
-    std::array<std::uint64_t, fault_names.size()> fault_counts{};               ///< rays with each fault
-    std::array<std::optional<BadRay>, fault_names.size()> first_bad_rays = {};  ///< first ray with each fault, by pixel
+    std::array<std::uint64_t, fault_names.size()> fault_counts{};  ///< rays with each fault
+    std::array<std::optional<FaultyRay>, fault_names.size()> first_bad_rays =
+        {};                            ///< first ray with each fault, by pixel
     std::uint64_t bad_rays = 0;        ///< rays with a fault other than `wrong_side`, which alone harms nothing
     metric::Distribution offset_size;  ///< largest |new origin − p| of each point
     metric::Distribution size_ratio;   ///< `offset_size` over the smallest safe offset, where this is finite and not 0
@@ -41,7 +42,7 @@ struct StrategySummary {
     std::uint64_t too_small_points = 0;
 
     [[nodiscard]] std::uint64_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
-    [[nodiscard]] const std::optional<BadRay>& first_with(Fault f) const {
+    [[nodiscard]] const std::optional<FaultyRay>& first_with(Fault f) const {
         return first_bad_rays[static_cast<std::size_t>(f)];
     }
 };

@@ -153,7 +153,7 @@ Vec<T> beyond_bound(const BoundedPoint<T>& b, const Vec<T>& n) {
     return o;
 }
 
-/// Returns the point with its error bound. For a primitive under a matrix, both are in object space.
+/// Returns the point with its error bound. For a transformed primitive, both are in object space.
 template <Number T>
 BoundedPoint<T> bounded_point_of(const StrategyInput<T>& input) {
     return visit(input.primitive, [&input](const auto& shape) {
@@ -180,8 +180,8 @@ BoundedPoint<T> transform_point(const Affine<T>& m, const BoundedPoint<T>& b) {
     return world_point;
 }
 
-/// Moves p beyond its error bound. For a primitive under a matrix, the bound is transformed to world space together
-/// with the point, as in pbrt's SpawnRay.
+/// Moves p beyond its error bound. For a transformed primitive, the bound is transformed to world space together with
+/// the point, as in pbrt's SpawnRay.
 struct Bound {
     template <Number T>
     static StrategyOutput<T> respawn(const StrategyInput<T>& input) {

@@ -46,7 +46,7 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
                                         const ShadowRays& shadow, const truth::FormatInputs& inputs,
                                         bool tests_departed_sphere) {
     std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
-    const intersect::simd::PackedRow native = intersect::simd::packed_kernels(form);
+    const intersect::simd::PackedFormKernels native = intersect::simd::packed_kernels(form);
     constexpr std::size_t chunk_size = 4096;
     const std::size_t chunks = (blocked.size() + chunk_size - 1) / chunk_size;
     intersect::process::in_parallel(std::size_t{0}, chunks, [&](std::size_t c) {

@@ -127,9 +127,8 @@ private:
             const Primitive<double> primitive_seen = hit_primitive(i);
             const auto lifted_primitive = lift_primitive<T>(primitive_seen);
             points_[i] = as_doubles(point);
-            normals_[i] =
-                as_doubles(primitive_seen.placed ? normal_under_matrix<T>(lifted_primitive, ray, answers_.t[i])
-                                                 : normal_at<T>(point, lifted_primitive));
+            normals_[i] = as_doubles(primitive_seen.transform ? normal_in_world<T>(lifted_primitive, ray, answers_.t[i])
+                                                              : normal_at<T>(point, lifted_primitive));
 
             // Errors are measured only where the form sees the true sphere.
             if (result_.seen[i] != SeenContent::same_sphere) return;
@@ -144,17 +143,17 @@ private:
     /// takes the ray, then multiplied by A⁻ᵀ and made unit. A transform method that uses adj(A) in place of A⁻¹ works
     /// with a primitive |det A| times as large, so its ray is divided by that factor here.
     template <class T>
-    [[nodiscard]] Vec<T> normal_under_matrix(const Primitive<T>& primitive, const Ray<double>& ray, double t) const {
+    [[nodiscard]] Vec<T> normal_in_world(const Primitive<T>& primitive, const Ray<double>& ray, double t) const {
         const auto& steps = intersect::transform::step_functions<T>(
             *intersect::transform::find_transformed_parts(
                  intersect::bounding_box::without_world_boxes(row_.form->form_for(primitive.shape)))
                  .method);
-        const auto maps = steps.maps(*primitive.placed);
+        const auto maps = steps.maps(*primitive.transform);
         const auto object_ray = steps.to_object(maps, lift_ray<T>(ray));
         const Vec<T> p =
             point_at<T>({object_ray.ray.origin / object_ray.scale, object_ray.ray.direction / object_ray.scale},
                         static_cast<T>(t) * object_ray.length);
-        const T sign = as_double(object_ray.scale) == 1 || primitive.placed->orientation > 0 ? T(1) : T(-1);
+        const T sign = as_double(object_ray.scale) == 1 || primitive.transform->orientation > 0 ? T(1) : T(-1);
         return unit_of<T>(sign * times(maps.to_object.rows, normal_at<T>(p, primitive)));
     }
 

@@ -12,21 +12,21 @@ struct Paint {
     Vec<T> colour;
     T ambient, diffuse, specular;  ///< ka, kd, ks
     int exponent = 1;              ///< n
-    bool shiny = false;            ///< ks > 0: the sphere gets a highlight
+    bool is_shiny = false;         ///< ks > 0: the sphere gets a highlight
 };
 
 /// Terms of the shading that are added to the plain colour of a sphere.
 struct ShadeRule {
     bool has_diffuse = false, has_shadows = false, has_phong = false;
-    bool halves_diffuse = false;  ///< in shadow, half of the diffuse light stays
+    bool keeps_half_diffuse = false;  ///< in shadow, half of the diffuse light stays
 };
 
 /// Returns the rule that a scene asks for, up to a stage.
 inline ShadeRule shade_rule(const scene::file::Appearance& appearance, scene::file::Stage stage) {
     using scene::file::Stage;
-    const auto has_stage = [&](Stage s) { return s <= stage && appearance.asks_for(s); };
+    const auto has_stage = [&](Stage s) { return s <= stage && appearance.has_stage(s); };
     return {has_stage(Stage::diffuse), has_stage(Stage::shadows), has_stage(Stage::phong),
-            appearance.shadows && appearance.shadows->half_diffuse};
+            appearance.shadows && appearance.shadows->keeps_half_diffuse};
 }
 
 /// Returns the point at t: x = x0 + t·dx, and so on.
@@ -38,7 +38,7 @@ Vec<T> point_at(const Ray<T>& ray, const T& t) {
 
 /// Calls `act` on a primitive of the shape that pictures can show, without its matrix.
 template <class T, class Act>
-auto on_rendered(const Primitive<T>& primitive, const Act& act) {
+auto visit_rendered_shape(const Primitive<T>& primitive, const Act& act) {
     return Primitives::of_shape<scene::file::rendered_shape>(
         [&]<template <class> class S>() { return act(primitive.template as<S>()); });
 }
@@ -46,7 +46,7 @@ auto on_rendered(const Primitive<T>& primitive, const Act& act) {
 /// Returns the normal that pictures shade with, at a point of such a primitive.
 template <Number T>
 Vec<T> normal_at(const Vec<T>& p, const Primitive<T>& primitive) {
-    return on_rendered(primitive, [&p](const auto& shape) { return shape.shading_normal(p); });
+    return visit_rendered_shape(primitive, [&p](const auto& shape) { return shape.shading_normal(p); });
 }
 
 /// Returns xⁿ for n ≥ 1 by repeated squaring, from the highest bit of n down: at most 2·log2(n) products.
@@ -66,12 +66,12 @@ T whole_power(const T& x, int n) {
 /// `epsilon`, or by `ulps` units in the last place of its largest coordinate. In exact arithmetic, which has no last
 /// place, the latter does not move it.
 template <Number T>
-Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::Offset offset, const T& epsilon,
+Vec<T> shadow_origin(const Vec<T>& p, const Vec<T>& n, scene::file::ShadowRule::ShadowOffset offset, const T& epsilon,
                      int ulps) {
-    using Offset = scene::file::ShadowRule::Offset;
-    if (offset == Offset::none) return p;
+    using ShadowOffset = scene::file::ShadowRule::ShadowOffset;
+    if (offset == ShadowOffset::none) return p;
     T offset_length = epsilon;
-    if (offset == Offset::ulp) {
+    if (offset == ShadowOffset::ulp) {
         const T size = max(max(abs(p.x), abs(p.y)), abs(p.z));
         offset_length = T(ulps) * (next_up(size) - size);
     }
@@ -95,11 +95,12 @@ Vec<T> shade(const Paint<T>& paint, const ShadeRule& rule, const mask_t<T>& shad
     const T zero(0);
     const T facing = dot(n, l);
     T diffuse = paint.diffuse * max(zero, facing);
-    if (rule.has_shadows) diffuse = select(shadowed, rule.halves_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
+    if (rule.has_shadows)
+        diffuse = select(shadowed, rule.keeps_half_diffuse ? T(T(1) / T(2) * diffuse) : zero, diffuse);
     const Vec<T>& s = paint.colour;
     Vec<T> colour(paint.ambient * s.x + diffuse * s.x, paint.ambient * s.y + diffuse * s.y,
                   paint.ambient * s.z + diffuse * s.z);
-    if (!rule.has_phong || !paint.shiny) return colour;
+    if (!rule.has_phong || !paint.is_shiny) return colour;
     const T highlight = paint.specular * whole_power<T>(max(zero, dot(unit_of<T>(l + v), n)), paint.exponent);
     mask_t<T> dark = facing <= zero;
     if (rule.has_shadows) dark = dark || shadowed;

@@ -30,7 +30,7 @@ auto lifted(const Vec<S>& v, Lift lift) {
 template <class S, class Lift>
 auto lifted(const Paint<S>& p, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    return Paint<T>{lifted(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.shiny};
+    return Paint<T>{lifted(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.is_shiny};
 }
 
 /// Converts each number by `lift`. A shiny sphere stays shiny even if a format rounds its ks to 0; its highlight is

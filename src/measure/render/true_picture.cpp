@@ -76,23 +76,23 @@ struct ObjectQuery {
 
     ObjectQuery(const Ray<E>& world_ray, const Primitive<E>& world_primitive)
         : ray(world_ray), primitive(world_primitive) {
-        if (!world_primitive.placed) return;
-        const ObjectSpaceRay<E> object_ray = to_object_space(world_ray, *world_primitive.placed);
+        if (!world_primitive.transform) return;
+        const ObjectSpaceRay<E> object_ray = to_object_space(world_ray, *world_primitive.transform);
         ray = object_ray.ray;
         primitive = scaled(world_primitive, object_ray.scale);
     }
     [[nodiscard]] truth::EnclosedHit<E> enclosed() const {
-        return on_rendered(primitive, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
+        return visit_rendered_shape(primitive, [this](const auto& shape) { return truth::enclose<E>(ray, shape); });
     }
 };
 
 /// Returns A⁻ᵀ n, made unit. If no inverse is stored, A⁻ᵀ comes from adj(A), with the sign of the determinant.
 template <class E>
-Vec<E> normal_in_world(const Vec<E>& n, const Placement<E>& placed) {
-    const Affine<E> m = placed.map();
-    if (placed.is_inverse) return unit_of<E>(times(m.rows, n));
+Vec<E> normal_in_world(const Vec<E>& n, const Transform<E>& transform) {
+    const Affine<E> m = transform.map();
+    if (transform.is_inverse) return unit_of<E>(times(m.rows, n));
     const auto columns = m.adjugate();
-    return unit_of<E>(E(placed.orientation) * Vec<E>(dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)));
+    return unit_of<E>(E(transform.orientation) * Vec<E>(dot(columns[0], n), dot(columns[1], n), dot(columns[2], n)));
 }
 
 /// Decides whether the primitive is between p and the light: whether the segment hits it at 0 < t < 1.
@@ -168,8 +168,8 @@ private:
         if (!enclosed.hit.is_yes()) return false;
 
         const Vec<E> p = point_at<E>(ray, enclosed.t);
-        Vec<E> n = normal_at<E>(primitive.placed ? point_at<E>(query.ray, enclosed.t) : p, query.primitive);
-        if (primitive.placed) n = normal_in_world<E>(n, *primitive.placed);
+        Vec<E> n = normal_at<E>(primitive.transform ? point_at<E>(query.ray, enclosed.t) : p, query.primitive);
+        if (primitive.transform) n = normal_in_world<E>(n, *primitive.transform);
         pixel.has_normal = true;
         for (int k = 0; k < 3; ++k) pixel.has_normal &= find_parts(n[k], pixel.normal[static_cast<std::size_t>(k)]);
         bool is_proved = pixel.has_normal;

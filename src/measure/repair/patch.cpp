@@ -68,8 +68,8 @@ public:
             if (position != std::string::npos) ++position;
         }
         if (request.scene) smaller_scene_ = choose::with_smaller_picture(*request.scene, few_rays_count);
-        if (smaller_scene_) judge_.emplace(request, *smaller_scene_);
-        else judge_.emplace(request);
+        if (smaller_scene_) measurer_.emplace(request, *smaller_scene_);
+        else measurer_.emplace(request);
         locate_nodes();
     }
 
@@ -183,7 +183,7 @@ private:
     SourceTokens tokens_;
     std::vector<std::size_t> line_begins_;
     std::optional<scene::file::Scene> smaller_scene_;
-    std::optional<Judge> judge_;
+    std::optional<QualityMeasurer> measurer_;
     std::map<NodeId, ComputedText> computed_;
     struct StoredNode {
         std::size_t begin;
@@ -256,7 +256,7 @@ std::string Patcher::Writer::expression_text(NodeId n, SourcePrecedence& precede
     const bool is_of_double = is_double(*new_tape_, is_comparison(node.op) ? node.operands[0] : n);
     const SourcePattern source_pattern = node.op == TapeOp::convert
                                              ? conversion_in(function_.language, is_wide)
-                                             : pattern_in(function_.language, node.op, is_of_double);
+                                             : operation_pattern(function_.language, node.op, is_of_double);
     if (source_pattern.pattern.empty())
         throw UnwritableChange(
             fmt::format("it needs {}, which the language does not have", lostbits::name_of(node.op)));
@@ -305,7 +305,7 @@ void Patcher::Writer::write_expression(NodeId old_node, NodeId new_node, bool sh
     std::string text = name_of(new_node) != nullptr ? *name_of(new_node) : expression_text(new_node, precedence);
     const SourcePrecedence required_precedence =
         computed_text.is_statement ? SourcePrecedence::choice
-                                   : pattern_in(function_.language, old_tape_[old_node].op, false).precedence;
+                                   : operation_pattern(function_.language, old_tape_[old_node].op, false).precedence;
     if (precedence < required_precedence) text = "(" + text + ")";
 
     if (!declarations.empty()) changes_.push_back({{statement.begin, statement.begin}, declarations});
@@ -403,7 +403,7 @@ bool Patcher::Writer::answers_like_tape(const std::string& text, const Tape& new
             {.stop = request_.limit.stop, .headers = std::filesystem::absolute(original_path).parent_path()});
         if (patched->intersector.shape != request_.tested_form.form->shape) return false;
         return has_answers_of_tape({.form = &patched->intersector, .format = request_.tested_form.format}, new_tape,
-                                   request_, *judge_);
+                                   request_, *measurer_);
     } catch (const InputError&) {
         return false;
     }

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "measure/repair/judge.hpp"
+#include "measure/repair/quality.hpp"
 
 namespace lostbits::measure::repair {
 

@@ -11,7 +11,7 @@
 #include "intersect/external/plugin.hpp"
 #include "intersect/process/child.hpp"
 #include "intersect/simd/packed.hpp"
-#include "measure/repair/placed_form.hpp"
+#include "measure/repair/form_with_transform.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::repair {
@@ -29,7 +29,7 @@ namespace {
 /// Kernels that a library exports for a form. They stay valid, since the library stays loaded until the program ends.
 template <class F>
 struct Kernels {
-    PlacedKernel<F> single, packs;
+    KernelWithTransform<F> single, packs;
     simd::Isa isa;      ///< of the packs
     std::size_t lanes;  ///< in a register
 };
@@ -37,7 +37,7 @@ struct Kernels {
 /// Answers whole packs by the packed kernel, if the run has the register width that the kernel was compiled for, and
 /// the remaining rays one by one.
 template <class F>
-void run_kernels(const Kernels<F>& kernels, PlacedColumns<F> columns, std::size_t size) {
+void run_kernels(const Kernels<F>& kernels, ColumnsWithTransform<F> columns, std::size_t size) {
     const std::size_t packed_size =
         kernels.packs && simd::current_isa() == kernels.isa ? size / kernels.lanes * kernels.lanes : 0;
     columns.size = packed_size;
@@ -57,12 +57,13 @@ void run_on_target(void* kernels, const RayBatch<F>& rays, const Target<F>& targ
     const std::size_t rays_per_call = has_one_primitive ? rays.size() : 1;
     for (std::size_t i = 0; i < rays.size(); i += rays_per_call) {
         const Primitive<F>& primitive = target.primitives[has_one_primitive ? 0 : i];
-        if (!primitive.placed) throw std::logic_error("a form that takes a matrix was given a primitive without one");
+        if (!primitive.transform)
+            throw std::logic_error("a form that takes a matrix was given a primitive without one");
         run_kernels(*static_cast<const Kernels<F>*>(kernels),
                     {.ray = {&rays.ox[i], &rays.oy[i], &rays.oz[i], &rays.dx[i], &rays.dy[i], &rays.dz[i]},
                      .tmax = rays.tmax.empty() ? nullptr : &rays.tmax[i],
                      .primitive = primitive.numbers.data(),
-                     .matrix = primitive.placed->matrix.data(),
+                     .matrix = primitive.transform->matrix.data(),
                      .results = {&hits.t[i], &hits.near[i], &hits.far[i]},
                      .hit = &hits.hit[i],
                      .size = rays_per_call},
@@ -73,7 +74,7 @@ void run_on_target(void* kernels, const RayBatch<F>& rays, const Target<F>& targ
 template <class F>
 intersect::table::Kernel<F> load_kernel(const external::Library& library, const std::string& name) {
     static std::deque<Kernels<F>> all_kernels;
-    using Kernel = PlacedKernel<F>;
+    using Kernel = KernelWithTransform<F>;
     using external::find_symbol;
     const simd::Isa isa = simd::current_isa();
     const std::size_t bytes = isa == simd::Isa::w512 ? 64 : isa == simd::Isa::w256 ? 32 : 16;
@@ -88,13 +89,13 @@ bool is_double(const RepairedSource& form) { return form.original.format.engine 
 
 /// True if the forms take the matrix of their primitive. All forms of a list do or none does, so the first form
 /// decides.
-bool are_placed(const std::vector<RepairedSource>& forms) {
-    return !forms.empty() && forms.front().original.form->is_placed;
+bool have_transform_methods(const std::vector<RepairedSource>& forms) {
+    return !forms.empty() && forms.front().original.form->has_transform_method;
 }
 
 /// Source text that includes `mended0.hpp`, `mended1.hpp`, … and exports the kernels of each form.
-std::string make_placed_source(const std::vector<RepairedSource>& forms) {
-    std::string text = "#include \"measure/repair/placed_form.hpp\"\n";
+std::string make_source_with_transforms(const std::vector<RepairedSource>& forms) {
+    std::string text = "#include \"measure/repair/form_with_transform.hpp\"\n";
     for (std::size_t k = 0; k < forms.size(); ++k) {
         std::string primitive(row_of(forms[k].original.form->shape).name);
         primitive.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(primitive.front())));
@@ -105,8 +106,9 @@ std::string make_placed_source(const std::vector<RepairedSource>& forms) {
 }
 
 /// Makes a row for each form, in the format of the form that was repaired. These rows use the register width of the
-/// run, as all rows under a matrix do.
-std::vector<external::Formula> placed_rows(const fs::path& library_path, const std::vector<RepairedSource>& forms) {
+/// run, as all rows with a transform do.
+std::vector<external::Formula> formulas_with_transforms(const fs::path& library_path,
+                                                        const std::vector<RepairedSource>& forms) {
     static std::deque<intersect::Info> infos;
     const external::Library loaded = external::load_library(library_path);
     std::vector<external::Formula> formulas;
@@ -114,9 +116,12 @@ std::vector<external::Formula> placed_rows(const fs::path& library_path, const s
         const Intersector& original_form = *forms[k].original.form;
         const std::string name = "mended" + std::to_string(k);
         intersect::Info& info = infos.emplace_back(*original_form.info);
-        info.name = external::lasting_text("mended." + name);
-        Intersector form{
-            .info = &info, .shape = original_form.shape, .native32 = nullptr, .native64 = nullptr, .is_placed = true};
+        info.name = external::never_freed_copy("mended." + name);
+        Intersector form{.info = &info,
+                         .shape = original_form.shape,
+                         .native32 = nullptr,
+                         .native64 = nullptr,
+                         .has_transform_method = true};
         if (is_double(forms[k])) form.native64 = load_kernel<double>(loaded, name);
         else form.native32 = load_kernel<float>(loaded, name);
         formulas.push_back({.intersector = form, .packed = {}, .who = nullptr, .first_root_forms = {}});
@@ -132,7 +137,7 @@ void write_file(const fs::path& file, const std::string& text) {
 
 /// Runs the compiler. Throws EnvironmentError with the compiler's output if it fails.
 void run_compiler(const intersect::process::ProgramArguments& arguments, const RepairRequest& request) {
-    intersect::process::Child child(
+    intersect::process::ChildProcess child(
         arguments, {.who = arguments.front(), .timeout_advice = "", .seconds = 600, .stop = request.limit.stop});
     const auto result = child.read_to_end();
     if (result.status == 0) return;
@@ -154,7 +159,7 @@ auto load_compiled(const fs::path& library, const Load& load) {
 }
 
 std::string make_library_source(const std::vector<RepairedSource>& forms) {
-    if (are_placed(forms)) return make_placed_source(forms);
+    if (have_transform_methods(forms)) return make_source_with_transforms(forms);
     std::string text = "#include <lostbits_form.hpp>\n", names;
     for (std::size_t k = 0; k < forms.size(); ++k) {
         text += "#include \"mended" + std::to_string(k) + ".hpp\"\n";
@@ -193,14 +198,14 @@ fs::path compile_library(const RepairRequest& request, const std::vector<Repaire
 void require_answers_of_tape(const RepairRequest& request, const RepairedSource& source, const Intersector& compiled) {
     RepairRequest form_request = request;
     form_request.tested_form = source.original;
-    Judge judge(form_request);
+    QualityMeasurer measurer(form_request);
     const evaluate::TestedForm compiled_row{
         .form = &compiled, .format = source.original.format, .touching = source.original.touching};
-    if (!has_answers_of_tape(compiled_row, *source.tape, form_request, judge))
+    if (!has_answers_of_tape(compiled_row, *source.tape, form_request, measurer))
         throw std::logic_error(source.type + ": the compiled form has other answers than its tape");
 }
 
-/// Returns the work with scalar arithmetic. Rows under a matrix use the current register width, so the width is
+/// Returns the work with scalar arithmetic. Rows with a transform use the current register width, so the width is
 /// `scalar` while they run.
 trade::TimedWork in_scalar_arithmetic(trade::TimedWork work) {
     work.pass = [pass = std::move(work.pass)] {
@@ -223,13 +228,14 @@ std::vector<intersect::external::Formula> compile_and_load(const RepairRequest& 
                                "it, and an installation has it in lib/lostbits");
     const intersect::device::TemporaryFolder folder("lostbits-mend");
     const fs::path library = compile_library(request, forms, setup, folder.path);
-    auto formulas = are_placed(forms)
-                        ? load_compiled(library, [&](const fs::path& file) { return placed_rows(file, forms); })
-                        : load_compiled(library, external::load_formulas);
+    auto formulas =
+        have_transform_methods(forms)
+            ? load_compiled(library, [&](const fs::path& file) { return formulas_with_transforms(file, forms); })
+            : load_compiled(library, external::load_formulas);
 
     for (std::size_t k = 0; k < forms.size(); ++k) {
         require_answers_of_tape(request, forms[k], formulas[k].intersector);
-        if (!formulas[k].intersector.is_placed)
+        if (!formulas[k].intersector.has_transform_method)
             simd::register_packs({{formulas[k].intersector.info, formulas[k].packed}});
     }
     return formulas;
@@ -243,11 +249,11 @@ std::vector<Price> measure_prices(const RepairRequest& request, const std::vecto
     std::vector<trade::TimedWork> work;
     std::vector<Price> prices;
     for (const evaluate::TestedForm& tested_form : tested_forms) {
-        const bool uses_packs = tested_form.form->is_placed || is_packed(*tested_form.form, isa);
+        const bool uses_packs = tested_form.form->has_transform_method || is_packed(*tested_form.form, isa);
         prices.push_back({.isa = name_of(uses_packs ? isa : simd::Isa::scalar)});
         work.push_back(work_on_rays.work_for(tested_form, packed_kernels(*tested_form.form, isa)));
         work.push_back(work_on_rays.work_for(tested_form, packed_kernels(*tested_form.form, simd::Isa::scalar)));
-        if (tested_form.form->is_placed) work.back() = in_scalar_arithmetic(work.back());
+        if (tested_form.form->has_transform_method) work.back() = in_scalar_arithmetic(work.back());
     }
 
     const auto times = time_interleaved(work, plan);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "intersect/external/formulas.hpp"
-#include "measure/repair/judge.hpp"
+#include "measure/repair/quality.hpp"
 
 namespace lostbits::measure::repair {
 

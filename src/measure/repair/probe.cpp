@@ -20,17 +20,17 @@ Vec<Real> map_vector(const Vec<Real>& v, const Isometry& isometry) {
     return {row(0), row(1), row(2)};
 }
 
-/// Maps the matrix M of a primitive: Q M leads to the world, and M Qᵀ leads from it.
-Placement<Real> map_placement(Placement<Real> placement, const Isometry& isometry) {
-    if (isometry.mirrors()) placement.orientation = -placement.orientation;
-    auto& m = placement.matrix;
-    for (std::size_t k = 0; k < (placement.is_inverse ? 3U : 4U); ++k) {
+/// MatrixPair the matrix M of a primitive: Q M leads to the world, and M Qᵀ leads from it.
+Transform<Real> mirror_transform(Transform<Real> transform, const Isometry& isometry) {
+    if (isometry.mirrors()) transform.orientation = -transform.orientation;
+    auto& m = transform.matrix;
+    for (std::size_t k = 0; k < (transform.is_inverse ? 3U : 4U); ++k) {
         // A column of M, or a row of its linear part.
-        const auto entry_index = [&](std::size_t i) { return placement.is_inverse ? 4 * k + i : 4 * i + k; };
+        const auto entry_index = [&](std::size_t i) { return transform.is_inverse ? 4 * k + i : 4 * i + k; };
         const Vec<Real> v = map_vector({m[entry_index(0)], m[entry_index(1)], m[entry_index(2)]}, isometry);
         for (std::size_t i = 0; i < 3; ++i) m[entry_index(i)] = v[static_cast<int>(i)];
     }
-    return placement;
+    return transform;
 }
 
 bool is_along_axes(Shape shape) {
@@ -43,8 +43,8 @@ bool is_along_axes(Shape shape) {
 
 std::optional<Primitive<Real>> map_primitive(const Primitive<Real>& primitive, const Isometry& isometry) {
     Primitive<Real> result = primitive;
-    if (primitive.placed) {
-        result.placed = map_placement(*primitive.placed, isometry);
+    if (primitive.transform) {
+        result.transform = mirror_transform(*primitive.transform, isometry);
         return result;
     }
     if (!isometry.is_exact() && is_along_axes(primitive.shape)) return std::nullopt;
@@ -91,9 +91,9 @@ struct RequestRays {
 };
 
 std::optional<RequestRays> take_request_rays(const RepairRequest& request, int rays) {
-    const std::size_t primitives = request.scene                 ? request.scene->primitive_count()
-                                   : request.rays->sample.paired ? 1
-                                                                 : request.rays->sample.primitives.size();
+    const std::size_t primitives = request.scene                    ? request.scene->primitive_count()
+                                   : request.rays->sample.is_paired ? 1
+                                                                    : request.rays->sample.primitives.size();
     if (primitives == 0 || primitives > max_primitives) return std::nullopt;
     const std::size_t max_rays = std::clamp<std::size_t>(max_pairs / primitives, 64, static_cast<std::size_t>(rays));
     if (!request.scene) {
@@ -133,7 +133,7 @@ namespace {
 /// For each input of a tape, the index of the input that takes its place under an exchange of axes.
 std::vector<int> exchanged_inputs(const Primitive<double>& example, const Isometry& isometry) {
     std::vector<double> numbers(6 + example.shape_numbers().size() +
-                                (example.placed ? example.placed->matrix.size() : 0) + 1);
+                                (example.transform ? example.transform->matrix.size() : 0) + 1);
     std::iota(numbers.begin(), numbers.end(), 0);
     const auto real = [](double x) { return Real(x); };
     const auto vector = [&](const Vec<double>& v) {
@@ -141,10 +141,10 @@ std::vector<int> exchanged_inputs(const Primitive<double>& example, const Isomet
         return Vec<double>(static_cast<double>(mapped.x), static_cast<double>(mapped.y), static_cast<double>(mapped.z));
     };
     const Ray<double> ray = tape::ray_of(numbers);
-    const auto primitive = map_primitive(transformed(tape::primitive_of(numbers, example), real), isometry).value();
-    const auto exchanged =
-        tape::inputs_of({vector(ray.origin), vector(ray.direction)},
-                        transformed(primitive, [](const Real& x) { return static_cast<double>(x); }), numbers.back());
+    const auto primitive = map_primitive(convert_numbers(tape::primitive_of(numbers, example), real), isometry).value();
+    const auto exchanged = tape::inputs_of(
+        {vector(ray.origin), vector(ray.direction)},
+        convert_numbers(primitive, [](const Real& x) { return static_cast<double>(x); }), numbers.back());
     return {exchanged.begin(), exchanged.end()};
 }
 

@@ -10,7 +10,7 @@
 
 #include "geometry/affine.hpp"
 #include "measure/choose/ideal_rays.hpp"
-#include "measure/repair/judge.hpp"
+#include "measure/repair/quality.hpp"
 
 namespace lostbits::measure::repair {
 
@@ -45,21 +45,21 @@ inline constexpr std::array isometries{
     Isometry{"rotated", "rotated by 147 degrees about (1, 2, 3)", {13, -26, 26,  34, 19, 2,  -14, 22, 29}, 39}};
 // clang-format on
 
-/// Maps a primitive by an isometry about the origin. Empty if the result is not a primitive of the same shape: a box or
-/// an ellipsoid without a matrix stays along the axes, so it cannot be rotated.
+/// MatrixPair a primitive by an isometry about the origin. Empty if the result is not a primitive of the same shape: a
+/// box or an ellipsoid without a matrix stays along the axes, so it cannot be rotated.
 std::optional<Primitive<Real>> map_primitive(const Primitive<Real>& primitive, const Isometry& isometry);
 
 /// Quality of tapes on the rays and primitives of a request, mapped by one of the isometries.
 class Probe {
 public:
     Probe(const Isometry& isometry, const RepairRequest& request, const MovedRays& rays)
-        : isometry_(&isometry), judge_(request, rays) {}
+        : isometry_(&isometry), measurer_(request, rays) {}
     [[nodiscard]] const Isometry& isometry() const { return *isometry_; }
-    [[nodiscard]] Judge& judge() { return judge_; }
+    [[nodiscard]] QualityMeasurer& measurer() { return measurer_; }
 
 private:
     const Isometry* isometry_;
-    Judge judge_;
+    QualityMeasurer measurer_;
 };
 
 /// Makes the probes that apply to a request, on at most `rays` of its rays, fewer if there are many primitives. Returns

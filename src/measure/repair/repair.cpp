@@ -41,8 +41,12 @@ std::uint64_t binomial(std::uint64_t n, std::uint64_t k) {
 /// Search for the smallest set of operations to do wider.
 class WiderSearch {
 public:
-    WiderSearch(const Tape& tape, const FloatFormat& wider, const RepairRequest& request, Judge& judge)
-        : tape_(tape), wider_(wider), request_(request), judge_(judge), operations_(tape::rounded_operations(tape)) {}
+    WiderSearch(const Tape& tape, const FloatFormat& wider, const RepairRequest& request, QualityMeasurer& measurer)
+        : tape_(tape),
+          wider_(wider),
+          request_(request),
+          measurer_(measurer),
+          operations_(tape::rounded_operations(tape)) {}
 
     /// `all_wider_quality` is the quality with all operations wider, which meets the requirement.
     WiderSet smallest(const FormQuality& all_wider_quality, std::uint64_t affordable) {
@@ -64,7 +68,7 @@ private:
     std::vector<FormQuality> measure_sets(const std::vector<std::vector<NodeId>>& sets) {
         std::vector<Tape> tapes;
         for (const auto& set : sets) tapes.push_back(tape::widen_operations(tape_, set, wider_));
-        return judge_.measure_quality(tapes);
+        return measurer_.measure_quality(tapes);
     }
     std::vector<FormQuality> measure_without_each(const std::vector<NodeId>& set) {
         std::vector<std::vector<NodeId>> smaller_sets;
@@ -148,7 +152,7 @@ private:
     const Tape& tape_;
     const FloatFormat& wider_;
     const RepairRequest& request_;
-    Judge& judge_;
+    QualityMeasurer& measurer_;
     std::vector<NodeId> operations_;
 };
 
@@ -163,14 +167,14 @@ Scene change_pixels(Scene scene) {
 /// Widens the fewest operations of a rewritten form that does not meet the requirement by itself. Keeps the result only
 /// if it widens fewer operations than the set that was found for the original form, if there is one.
 void widen_where_needed(RewrittenForm& rewritten, const RepairResult& result, const RepairRequest& request,
-                        Judge& judge, std::uint64_t affordable) {
+                        QualityMeasurer& measurer, std::uint64_t affordable) {
     if (rewritten.quality.meets(request.requirement)) return;
     const Tape unwidened = rewritten.tape;
     const FormQuality all_wider_quality =
-        judge.measure_quality({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
+        measurer.measure_quality({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
             .front();
     if (!all_wider_quality.meets(request.requirement)) return;
-    auto set = find_smallest_set(unwidened, result.wider, all_wider_quality, request, judge, affordable);
+    auto set = find_smallest_set(unwidened, result.wider, all_wider_quality, request, measurer, affordable);
     if (result.wider_set && set.operations.size() >= result.wider_set->operations.size()) return;
     rewritten.tape = tape::widen_operations(unwidened, set.operations, result.wider);
     rewritten.quality = set.quality;
@@ -180,12 +184,12 @@ void widen_where_needed(RewrittenForm& rewritten, const RepairResult& result, co
 /// True if a tape meets the requirement on a list of probes.
 bool passes_probes(const Tape& tape, const std::vector<Probe*>& probes, const Requirement& requirement) {
     return std::ranges::all_of(
-        probes, [&](Probe* probe) { return probe->judge().measure_quality({tape}).front().meets(requirement); });
+        probes, [&](Probe* probe) { return probe->measurer().measure_quality({tape}).front().meets(requirement); });
 }
 
 std::vector<FormQuality> measure_on_probes(const Tape& tape, const std::vector<std::unique_ptr<Probe>>& probes) {
     std::vector<FormQuality> qualities;
-    for (const auto& probe : probes) qualities.push_back(probe->judge().measure_quality({tape}).front());
+    for (const auto& probe : probes) qualities.push_back(probe->measurer().measure_quality({tape}).front());
     return qualities;
 }
 
@@ -193,8 +197,9 @@ std::vector<FormQuality> measure_on_probes(const Tape& tape, const std::vector<s
 /// and on probes.
 class SymmetricSearch {
 public:
-    SymmetricSearch(const RepairResult& result, const RepairRequest& request, Judge& judge, std::vector<Probe*> probes)
-        : result_(result), request_(request), judge_(judge), probes_(std::move(probes)) {
+    SymmetricSearch(const RepairResult& result, const RepairRequest& request, QualityMeasurer& measurer,
+                    std::vector<Probe*> probes)
+        : result_(result), request_(request), measurer_(measurer), probes_(std::move(probes)) {
         const auto example = request.scene ? scene::rays::shared_primitives(*request.scene).front()
                                            : request.rays->sample.primitives.front();
         groups_ = find_exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
@@ -222,7 +227,7 @@ private:
     std::optional<SymmetricSet> find_first_passing(const std::vector<Groups>& sets) {
         std::vector<Tape> tapes;
         for (const Groups& set : sets) tapes.push_back(widen_operations(result_, operations_in(set)));
-        const auto quality = judge_.measure_quality(tapes);
+        const auto quality = measurer_.measure_quality(tapes);
         for (std::size_t k = 0; k < sets.size(); ++k) {
             if (!quality[k].meets(request_.requirement) || !passes_probes(tapes[k], probes_, request_.requirement))
                 continue;
@@ -265,7 +270,7 @@ private:
 
     const RepairResult& result_;
     const RepairRequest& request_;
-    Judge& judge_;
+    QualityMeasurer& measurer_;
     std::vector<Probe*> probes_;
     std::vector<std::vector<NodeId>> groups_;
     Groups last_passed_;  ///< the last set that passed
@@ -279,8 +284,8 @@ std::vector<NodeId> operations_to_widen(const RepairResult& result) {
 }
 
 /// Searches for a symmetric set if the set fails on an exact probe on which the form passes with every operation wider.
-void find_symmetric_set(RepairResult& result, const RepairRequest& request, Judge& judge, const Probes& probes,
-                        std::uint64_t affordable) {
+void find_symmetric_set(RepairResult& result, const RepairRequest& request, QualityMeasurer& measurer,
+                        const Probes& probes, std::uint64_t affordable) {
     const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
     const auto set_fails_exact_probe = [&](std::size_t k) {
         return probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
@@ -303,20 +308,21 @@ void find_symmetric_set(RepairResult& result, const RepairRequest& request, Judg
     }
     if (!fails_exact_probe) return;
 
-    result.symmetric = SymmetricSearch(result, request, judge, passable).search(affordable);
+    result.symmetric = SymmetricSearch(result, request, measurer, passable).search(affordable);
     if (result.symmetric)
         result.symmetric->probed = measure_on_probes(widen_operations(result, result.symmetric->operations), probes);
 }
 
 /// Measures on the probes the repairs that were found, and finds a symmetric set if the probes call for one.
-void measure_probes(RepairResult& result, const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
+void measure_probes(RepairResult& result, const RepairRequest& request, QualityMeasurer& measurer,
+                    std::uint64_t affordable) {
     const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
     const auto& rewritten_forms = result.rewriting.forms;
     if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &RewrittenForm::quality)) return;
 
     const Probes probes = make_probes(request);
     for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
-    if (!probes.empty()) result.probed_rays = probes.front()->judge().rays();
+    if (!probes.empty()) result.probed_rays = probes.front()->measurer().rays();
 
     result.own_probed = measure_on_probes(result.tape, probes);
     result.set_probed = measure_on_probes(widen_operations(result, operations_to_widen(result)), probes);
@@ -324,7 +330,7 @@ void measure_probes(RepairResult& result, const RepairRequest& request, Judge& j
         rewritten.probed = measure_on_probes(rewritten.tape, probes);
 
     if (!result.wider_set || result.wider_set->operations.empty()) return;
-    find_symmetric_set(result, request, judge, probes, affordable);
+    find_symmetric_set(result, request, measurer, probes, affordable);
 }
 
 /// Measures the form and its repairs on rays that were not searched on: the scene in other pixels, or all rays of the
@@ -335,7 +341,7 @@ void measure_held_out(RepairResult& result, const RepairRequest& request) {
     if (result.symmetric) tapes.push_back(widen_operations(result, result.symmetric->operations));
 
     if (request.scene) result.held_out_scene = change_pixels(*request.scene);
-    const auto held_out_quality = request.scene ? Judge(request, result.held_out_scene).measure_quality(tapes)
+    const auto held_out_quality = request.scene ? QualityMeasurer(request, result.held_out_scene).measure_quality(tapes)
                                                 : request.quality_on_all_rays(tapes);
 
     result.own_held_out = held_out_quality[0];
@@ -348,16 +354,16 @@ void measure_held_out(RepairResult& result, const RepairRequest& request) {
 }  // namespace
 
 WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
-                           const RepairRequest& request, Judge& judge, std::uint64_t affordable) {
-    return WiderSearch(tape, wider, request, judge).smallest(all_wider_quality, affordable);
+                           const RepairRequest& request, QualityMeasurer& measurer, std::uint64_t affordable) {
+    return WiderSearch(tape, wider, request, measurer).smallest(all_wider_quality, affordable);
 }
 
 bool are_matrices_inverse(const RepairRequest& request) {
-    if (!request.tested_form.form->is_placed) return false;
+    if (!request.tested_form.form->has_transform_method) return false;
     std::set<int> kinds;
     const auto add = [&kinds](const auto& primitives) {
         for (const auto& primitive : primitives)
-            kinds.insert(!primitive.placed ? 2 : primitive.placed->is_inverse ? 1 : 0);
+            kinds.insert(!primitive.transform ? 2 : primitive.transform->is_inverse ? 1 : 0);
     };
     if (request.scene) add(request.scene->primitives());
     else add(request.rays->sample.primitives);
@@ -381,27 +387,27 @@ RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable)
     const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
     result.operations = all_operations.size();
 
-    Judge judge(request);
-    result.own_quality = measure_own_quality(request, result.tape, judge);
-    result.all_wider_quality = judge.measure_quality({widen_operations(result, all_operations)}).front();
+    QualityMeasurer measurer(request);
+    result.own_quality = measure_own_quality(request, result.tape, measurer);
+    result.all_wider_quality = measurer.measure_quality({widen_operations(result, all_operations)}).front();
 
     // The fewest operations to do wider: none if the form meets the requirement as it is.
     if (result.own_quality.meets(request.requirement))
         result.wider_set = WiderSet{.operations = {}, .quality = result.own_quality};
     else if (result.all_wider_quality.meets(request.requirement))
         result.wider_set =
-            find_smallest_set(result.tape, result.wider, result.all_wider_quality, request, judge, affordable);
+            find_smallest_set(result.tape, result.wider, result.all_wider_quality, request, measurer, affordable);
 
     // Other ways of writing the form, wider where they still need it.
     if (!result.own_quality.meets(request.requirement))
-        result.rewriting = rewrite(request, result.tape, result.own_quality, judge);
+        result.rewriting = rewrite(request, result.tape, result.own_quality, measurer);
     for (RewrittenForm& rewritten : result.rewriting.forms)
-        widen_where_needed(rewritten, result, request, judge, affordable);
+        widen_where_needed(rewritten, result, request, measurer, affordable);
 
-    measure_probes(result, request, judge, affordable);
+    measure_probes(result, request, measurer, affordable);
     if (!result.wider_set)
         result.obstruction = RaySample(request, few_rays_count).compare_without_rounding(result.tape);
-    result.tried = judge.tried();
+    result.tried = measurer.tried();
     measure_held_out(result, request);
     return result;
 }

@@ -26,7 +26,7 @@ struct WiderSet {
 /// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
 /// long as there are at most `affordable` sets of one size.
 WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
-                           const RepairRequest& request, Judge& judge, std::uint64_t affordable);
+                           const RepairRequest& request, QualityMeasurer& measurer, std::uint64_t affordable);
 
 using identity::Rule;
 
@@ -76,8 +76,8 @@ struct SearchLimit {
 /// the requirement with least work, and compares the results with the truth on all rays. The search ends when a round
 /// finds no new form, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the
 /// rays, see `RaySample::have_same_answers`) is dropped.
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality, Judge& judge,
-                  const SearchLimit& limit = {});
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality,
+                  QualityMeasurer& measurer, const SearchLimit& limit = {});
 
 /// Estimate of the time of a tape before it is measured: the number of operations that round, with each division and
 /// root counted eight times. The estimate orders the search and is not printed.

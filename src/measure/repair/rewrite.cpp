@@ -32,7 +32,7 @@ std::vector<double> turn_to_axis(std::vector<double> numbers) {
 }
 
 /// Form that the search has reached, with the rules that lead to it.
-struct Candidate {
+struct CandidateForm {
     TapeOutputs outputs;
     std::vector<const Rule*> rules = {};
     FormQuality quality{};
@@ -42,9 +42,9 @@ struct Candidate {
 
 class RewriteSearch {
 public:
-    RewriteSearch(const RepairRequest& request, const Tape& form, const FormQuality& own_quality, Judge& judge,
-                  const SearchLimit& limit)
-        : request_(request), limit_(limit), form_(form), terms_(form), judge_(judge), sample_(request) {
+    RewriteSearch(const RepairRequest& request, const Tape& form, const FormQuality& own_quality,
+                  QualityMeasurer& measurer, const SearchLimit& limit)
+        : request_(request), limit_(limit), form_(form), terms_(form), measurer_(measurer), sample_(request) {
         if (request.tested_form.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
         candidates_.push_back({.outputs = terms_.outputs(), .quality = own_quality, .work = estimated_work(form)});
         seen_.insert(identity::output_nodes(terms_.outputs()));
@@ -53,22 +53,22 @@ public:
     Rewriting run() {
         for (std::size_t round = 0; round < limit_.rounds; ++round)
             if (!run_round()) break;
-        return {.forms = best_candidates(), .tried = judge_.tried() - tried_before_, .refused = refused_};
+        return {.forms = best_candidates(), .tried = measurer_.tried() - tried_before_, .refused = refused_};
     }
 
 private:
     /// Rewrites the promising candidates. Returns false if no new candidate is found.
     bool run_round() {
-        std::vector<Candidate> new_candidates;
+        std::vector<CandidateForm> new_candidates;
         for (const std::size_t k : select_promising()) {
             candidates_[k].is_expanded = true;
-            for (Candidate& candidate : rewrite_candidate(candidates_[k]))
+            for (CandidateForm& candidate : rewrite_candidate(candidates_[k]))
                 new_candidates.push_back(std::move(candidate));
         }
 
         // Drops those that differ from the form in real arithmetic.
         std::vector<Tape> tapes;
-        std::erase_if(new_candidates, [&](Candidate& candidate) {
+        std::erase_if(new_candidates, [&](CandidateForm& candidate) {
             const Tape tape = terms_.tape(candidate.outputs);
             candidate.work = estimated_work(tape);
             const bool is_refused = !sample_.have_same_answers(form_, tape);
@@ -77,14 +77,16 @@ private:
             return is_refused;
         });
 
-        const auto quality = judge_.measure_quality(tapes);
+        const auto quality = measurer_.measure_quality(tapes);
         for (std::size_t k = 0; k < new_candidates.size(); ++k) new_candidates[k].quality = quality[k];
         std::ranges::move(new_candidates, std::back_inserter(candidates_));
         return !new_candidates.empty();
     }
 
-    [[nodiscard]] bool meets(const Candidate& candidate) const { return candidate.quality.meets(request_.requirement); }
-    static bool is_better(const Candidate& a, const Candidate& b) {
+    [[nodiscard]] bool meets(const CandidateForm& candidate) const {
+        return candidate.quality.meets(request_.requirement);
+    }
+    static bool is_better(const CandidateForm& a, const CandidateForm& b) {
         if (is_more_accurate(a.quality, b.quality) || is_more_accurate(b.quality, a.quality))
             return is_more_accurate(a.quality, b.quality);
         return a.work < b.work;
@@ -115,7 +117,7 @@ private:
     }
 
     /// Candidates that are one rewrite away from this one. Rewrites of the operations that lose most bits come first.
-    std::vector<Candidate> rewrite_candidate(const Candidate& parent) {
+    std::vector<CandidateForm> rewrite_candidate(const CandidateForm& parent) {
         std::vector<NodeId> origins;
         const Tape tape = terms_.tape(parent.outputs, &origins);
         const std::vector<int> culprits = sample_.count_culprits(tape);
@@ -127,7 +129,7 @@ private:
         for (std::size_t k = 0; k < rewrites.size(); ++k) order.emplace_back(-largest_loss(rewrites[k], losses), k);
         std::ranges::stable_sort(order, {}, [](const auto& x) { return x.first; });
 
-        std::vector<Candidate> children;
+        std::vector<CandidateForm> children;
         for (const auto& [loss, k] : order) {
             if (children.size() == limit_.max_children) break;
             const TapeOutputs outputs = terms_.replace_nodes(parent.outputs, rewrites[k].replacements);
@@ -148,12 +150,12 @@ private:
     /// Candidates that meet the requirement and that no other candidate beats in both accuracy and work. If no
     /// candidate meets the requirement, the most accurate one.
     [[nodiscard]] std::vector<RewrittenForm> best_candidates() const {
-        std::vector<const Candidate*> order;
-        for (const Candidate& candidate : candidates_) order.push_back(&candidate);
+        std::vector<const CandidateForm*> order;
+        for (const CandidateForm& candidate : candidates_) order.push_back(&candidate);
         std::ranges::stable_sort(order, [](auto a, auto b) { return is_better(*a, *b); });
         std::vector<RewrittenForm> best;
         std::size_t min_work = SIZE_MAX;
-        for (const Candidate* candidate : order) {
+        for (const CandidateForm* candidate : order) {
             // No candidate after the form itself, which has no rules, is more accurate, or as accurate with less work.
             if (candidate->rules.empty() || best.size() == limit_.max_proposals ||
                 (!best.empty() && !meets(*candidate)))
@@ -173,11 +175,11 @@ private:
     SearchLimit limit_;
     const Tape& form_;
     Terms terms_;
-    Judge& judge_;
-    const std::uint64_t tried_before_ = judge_.tried();
+    QualityMeasurer& measurer_;
+    const std::uint64_t tried_before_ = measurer_.tried();
     RaySample sample_;
     std::optional<Triple> unit_;
-    std::vector<Candidate> candidates_;
+    std::vector<CandidateForm> candidates_;
     std::set<std::array<NodeId, 4>> seen_;
     std::uint64_t refused_ = 0;
 };
@@ -249,9 +251,9 @@ std::size_t estimated_work(const Tape& tape) {
     return work;
 }
 
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality, Judge& judge,
-                  const SearchLimit& limit) {
-    return RewriteSearch(request, form, own_quality, judge, limit).run();
+Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality,
+                  QualityMeasurer& measurer, const SearchLimit& limit) {
+    return RewriteSearch(request, form, own_quality, measurer, limit).run();
 }
 
 }  // namespace lostbits::measure::repair

@@ -37,7 +37,7 @@ std::string_view function_pattern_in(FileLanguage language, TapeOp op, bool is_d
 
 }  // namespace
 
-SourcePattern pattern_in(FileLanguage language, TapeOp op, bool is_double) {
+SourcePattern operation_pattern(FileLanguage language, TapeOp op, bool is_double) {
     const bool is_rust = language == FileLanguage::rust;
     switch (op) {
         case TapeOp::add: return {"$1:1 + $2:2", SourcePrecedence::sum};

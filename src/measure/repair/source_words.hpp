@@ -20,7 +20,7 @@ struct SourcePattern {
 };
 
 /// Pattern of an operation on floats or doubles.
-SourcePattern pattern_in(intersect::function::FileLanguage language, TapeOp op, bool is_double);
+SourcePattern operation_pattern(intersect::function::FileLanguage language, TapeOp op, bool is_double);
 
 /// Pattern of a conversion of the operand to float or double.
 SourcePattern conversion_in(intersect::function::FileLanguage language, bool to_double);

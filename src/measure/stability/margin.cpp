@@ -134,9 +134,10 @@ bool misses_parts(const Ray<Near>& ray, const Primitive<Near>& primitive) {
     return visit_shape(primitive, [&]<template <class> class S>() {
         return visit_in_object_space<S>(ray, primitive, [](const S<Near>& shape, const Ray<Near>& object_ray) {
             bool misses_all = false;
-            if constexpr (requires { each_part(shape, [](const auto&) {}); }) {
+            if constexpr (requires { for_each_part(shape, [](const auto&) {}); }) {
                 misses_all = true;
-                each_part(shape, [&](const auto& part) { misses_all = misses_all && misses(part.span(object_ray)); });
+                for_each_part(shape,
+                              [&](const auto& part) { misses_all = misses_all && misses(part.span(object_ray)); });
             }
             return misses_all;
         });
@@ -150,7 +151,7 @@ public:
         : question_(question), counted_(counted), decision_(decision_after({})) {}
 
     /// True if all problems within ε have the same decision, with a proof.
-    bool holds(double epsilon, const Change& start = {}) {
+    bool holds(double epsilon, const InputChange& start = {}) {
         const bool is_same =
             decision_ && question_.holds_for_all_within(
                              epsilon,
@@ -175,11 +176,11 @@ public:
     /// Looks for a problem within ε with another decision, by deviations that change the signs that the last `holds`
     /// could not prove: from the problem itself, then from problems ε/2 away, where an effect that is 0 to first order
     /// at the problem itself shows.
-    std::optional<Change> find_change(double epsilon) {
+    std::optional<InputChange> find_change(double epsilon) {
         if (!decision_) return std::nullopt;
         exact_count_ = 0;
         for (std::uint64_t start_index = 0; start_index < max_starts; ++start_index) {
-            Change start;
+            InputChange start;
             if (start_index > 0) {
                 start = {random_deviations(start_index), epsilon / 2};
                 static_cast<void>(holds(epsilon, start));
@@ -190,7 +191,7 @@ public:
                 std::vector<Near::Deviations> candidates = deviations_to_open_signs();
                 if (candidates.empty()) break;
                 for (const Near::Deviations& deviations : candidates)
-                    if (changes_decision({deviations, epsilon})) return Change{deviations, epsilon};
+                    if (changes_decision({deviations, epsilon})) return InputChange{deviations, epsilon};
                 if (exact_count_ >= max_exact_steps) return std::nullopt;
 
                 start = {candidates.front(), epsilon / 2};
@@ -204,7 +205,7 @@ private:
     static constexpr std::uint64_t max_starts = 2;
     static constexpr int max_steps = 2, max_exact_steps = 16;
 
-    [[nodiscard]] std::optional<SpanDecision> decision_after(const Change& change) const {
+    [[nodiscard]] std::optional<SpanDecision> decision_after(const InputChange& change) const {
         return question_.result_after(
             change, [&](const auto& ray, const auto& primitive, const auto* range, const auto& convention) {
                 return with_span(ray, primitive, [&]<class Span>(const Span& span) {
@@ -212,7 +213,7 @@ private:
                 });
             });
     }
-    bool changes_decision(const Change& change) {
+    bool changes_decision(const InputChange& change) {
         ++exact_count_;
         const auto changed = decision_after(change);
         return changed && !changed->is_same(*decision_, counted_);
@@ -308,7 +309,7 @@ namespace {
 /// change by ε moves that distance by at most 8 ε of their sum: the origin by |o|, the line by twice the way to the
 /// ball, the centre of the primitive by |c| + R, and its points by 3 R, because it turns.
 double relative_gap(const Ray<double>& ray, const Primitive<double>& primitive) {
-    if (primitive.placed || !has_bounding_box(primitive.shape)) return 0;
+    if (primitive.transform || !has_bounding_box(primitive.shape)) return 0;
     const auto ball = ball_around(primitive);
     const Vec<double> from_centre = ray.origin - ball.centre;
     const double distance = length(cross(from_centre, ray.direction)) / length(ray.direction);

@@ -18,9 +18,9 @@ using namespace truth;
 constexpr std::size_t max_inputs = 6 + max_primitive_numbers;
 using Near = number::wide::AffineForm<max_inputs>;
 
-/// Change of the inputs: number i changes by `scale` times deviation i times its size (or the size of its vector). If
-/// vectors change, the deviations of each vector have at most length 1.
-struct Change {
+/// InputChange of the inputs: number i changes by `scale` times deviation i times its size (or the size of its vector).
+/// If vectors change, the deviations of each vector have at most length 1.
+struct InputChange {
     Near::Deviations deviations{};
     double scale = 0;
 };
@@ -35,31 +35,31 @@ public:
             numbers_[static_cast<std::size_t>(i)] = ray.origin[i];
             numbers_[static_cast<std::size_t>(i) + 3] = ray.direction[i];
         }
-        add_vector(Unit::length, 3), add_vector(Unit::direction, 3);
+        add_vector(InputUnit::length, 3), add_vector(InputUnit::direction, 3);
         for (const Key& key : row_of(primitive.shape).keys) {
             for (std::size_t k = 0; k < key.count(); ++k)
                 numbers_[number_count_ + k] = primitive.numbers[number_count_ - 6 + k];
-            add_vector(key.kind == Key::Kind::direction ? Unit::unitless : Unit::length, key.count());
+            add_vector(key.kind == Key::Kind::direction ? InputUnit::unitless : InputUnit::length, key.count());
         }
         matrix_begin_ = number_count_;
-        if (primitive.placed) {
+        if (primitive.transform) {
             // The linear part of a matrix needs no unit: world space and object space have the same one.
             for (std::size_t k = 0; k < 12; ++k)
-                numbers_[matrix_begin_ + k] = primitive.placed->matrix[place_in_matrix(k)];
-            add_vector(Unit::unitless, 9), add_vector(Unit::length, 3);
+                numbers_[matrix_begin_ + k] = primitive.transform->matrix[place_in_matrix(k)];
+            add_vector(InputUnit::unitless, 9), add_vector(InputUnit::length, 3);
         }
         for (std::size_t i = 0; i < number_count_; ++i)
-            if (units_[i] != Unit::unitless && numbers_[i] != 0) {
-                int& exponent = units_[i] == Unit::length ? length_exponent_ : direction_exponent_;
+            if (units_[i] != InputUnit::unitless && numbers_[i] != 0) {
+                int& exponent = units_[i] == InputUnit::length ? length_exponent_ : direction_exponent_;
                 exponent = std::max(exponent, std::ilogb(numbers_[i]));
             }
         for (int* const exponent : {&length_exponent_, &direction_exponent_})
             if (*exponent == unset_exponent) *exponent = 0;
         for (std::size_t i = 0; i < number_count_; ++i) {
             const bool is_zero = numbers_[i] == 0;
-            if (units_[i] != Unit::unitless)
+            if (units_[i] != InputUnit::unitless)
                 numbers_[i] =
-                    std::ldexp(numbers_[i], units_[i] == Unit::length ? -length_exponent_ : -direction_exponent_);
+                    std::ldexp(numbers_[i], units_[i] == InputUnit::length ? -length_exponent_ : -direction_exponent_);
             // A number that is so small relative to the largest one may underflow, and so may its step. Neither loses
             // more than 2^-900.
             if (!is_zero && std::fabs(numbers_[i]) < 0x1p-900) underflow_[i] = 0x1p-900;
@@ -84,7 +84,7 @@ public:
         Primitive<Near> primitive;
     };
     /// Encloses all problems within ε of the problem after the change `start`.
-    [[nodiscard]] Enclosures enclose_problems(double epsilon, const Change& start = {}) const {
+    [[nodiscard]] Enclosures enclose_problems(double epsilon, const InputChange& start = {}) const {
         std::array<double, max_inputs> steps{}, middle = numbers_;
         for (std::size_t i = 0; i < number_count_; ++i) {
             steps[i] = epsilon * sizes_[i] * (1 + 0x1p-40);
@@ -95,21 +95,21 @@ public:
         Enclosures enclosures{{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}},
                               Primitive<Near>(primitive_.shape)};
         for (std::size_t k = 6; k < matrix_begin_; ++k) enclosures.primitive.numbers[k - 6] = number(k);
-        if (primitive_.placed) {
-            enclosures.primitive.placed = transformed(*primitive_.placed, [](double) { return Near(0); });
+        if (primitive_.transform) {
+            enclosures.primitive.transform = convert_numbers(*primitive_.transform, [](double) { return Near(0); });
             for (std::size_t k = matrix_begin_; k < number_count_; ++k)
-                enclosures.primitive.placed->matrix[place_in_matrix(k - matrix_begin_)] = number(k);
+                enclosures.primitive.transform->matrix[place_in_matrix(k - matrix_begin_)] = number(k);
         }
         return enclosures;
     }
 
     /// The amount that a change adds to each number, rounded towards 0.
-    [[nodiscard]] Amounts amounts(const Change& change) const {
+    [[nodiscard]] Amounts amounts(const InputChange& change) const {
         Amounts added{};
         for (std::size_t i = 0; i < number_count_; ++i) {
-            const int exponent = units_[i] == Unit::length      ? length_exponent_
-                                 : units_[i] == Unit::direction ? direction_exponent_
-                                                                : 0;
+            const int exponent = units_[i] == InputUnit::length      ? length_exponent_
+                                 : units_[i] == InputUnit::direction ? direction_exponent_
+                                                                     : 0;
             added[i] = std::ldexp(change.scale * sizes_[i] * change.deviations[i] * (1 - 0x1p-40), exponent);
         }
         return added;
@@ -117,7 +117,7 @@ public:
     /// Calls `act(ray, primitive)` on the problem after a change. Each number is the sum of two doubles in E. Returns
     /// an empty result if that is not a proper problem.
     template <class E, class Act>
-    auto visit_changed(const Change& change, const Act& act) const -> decltype(act(Ray<E>{}, Primitive<E>{})) {
+    auto visit_changed(const InputChange& change, const Act& act) const -> decltype(act(Ray<E>{}, Primitive<E>{})) {
         const Amounts added = amounts(change);
         const auto apply_change = [&](const auto& ray, const auto& primitive, auto& to_ray, auto& to_primitive) {
             using N = std::decay_t<decltype(to_ray.origin.x)>;
@@ -130,7 +130,7 @@ public:
             }
             for (std::size_t i = 6; i < matrix_begin_; ++i) shift(to_primitive.numbers[i - 6], i);
             for (std::size_t i = matrix_begin_; i < number_count_; ++i)
-                shift(to_primitive.placed->matrix[place_in_matrix(i - matrix_begin_)], i);
+                shift(to_primitive.transform->matrix[place_in_matrix(i - matrix_begin_)], i);
         };
 
         // Doubles are enough to tell whether the changed problem is proper.
@@ -148,9 +148,9 @@ public:
     [[nodiscard]] bool is_normwise() const { return is_normwise_; }
 
 private:
-    enum class Unit : unsigned char { unitless, length, direction };
+    enum class InputUnit : unsigned char { unitless, length, direction };
     static constexpr int unset_exponent = -5000;
-    void add_vector(Unit unit, std::size_t count) {
+    void add_vector(InputUnit unit, std::size_t count) {
         std::fill_n(&units_[number_count_], count, unit);
         number_count_ += count;
         vector_ends_[vector_count_++] = number_count_;
@@ -160,7 +160,7 @@ private:
     Primitive<double> primitive_;
     bool is_normwise_;
     std::array<double, max_inputs> numbers_{}, underflow_{}, sizes_{};
-    std::array<Unit, max_inputs> units_{};
+    std::array<InputUnit, max_inputs> units_{};
     std::array<std::size_t, max_inputs> vector_ends_{};
     std::size_t vector_count_ = 0, number_count_ = 0, matrix_begin_ = 0;
     int length_exponent_ = unset_exponent, direction_exponent_ = unset_exponent;
@@ -168,9 +168,9 @@ private:
 
 /// True if no matrix within ε is singular, so that each has a determinant of the same sign as the stored one.
 bool is_always_proper(const Primitive<Near>& primitive) {
-    if (!primitive.placed) return true;
-    const Near determinant = primitive.placed->map().determinant(), zero(0);
-    return (primitive.placed->orientation > 0 ? determinant > zero : determinant < zero).is_yes();
+    if (!primitive.transform) return true;
+    const Near determinant = primitive.transform->map().determinant(), zero(0);
+    return (primitive.transform->orientation > 0 ? determinant > zero : determinant < zero).is_yes();
 }
 
 /// A problem with its convention and range, for questions about all problems near it.
@@ -189,14 +189,14 @@ public:
 
     [[nodiscard]] double to_problem_units(double t) const { return neighbours_.to_problem_units(t); }
     [[nodiscard]] std::size_t number_count() const { return neighbours_.number_count(); }
-    [[nodiscard]] Amounts amounts(const Change& change) const { return neighbours_.amounts(change); }
+    [[nodiscard]] Amounts amounts(const InputChange& change) const { return neighbours_.amounts(change); }
     /// Largest deviation that every number may take: 1, or 1/3 if vectors change, so that a vector of nine numbers has
     /// at most length 1.
     [[nodiscard]] double largest_deviation() const { return neighbours_.is_normwise() ? 1.0 / 3 : 1; }
     /// Result of `act(ray, primitive, range, convention)` on all problems within `epsilon`; false if a matrix may be
     /// singular.
     template <class Act>
-    bool holds_for_all_within(double epsilon, const Act& act, const Change& start = {}) const {
+    bool holds_for_all_within(double epsilon, const Act& act, const InputChange& start = {}) const {
         const auto enclosures = neighbours_.enclose_problems(epsilon, start);
         return is_always_proper(enclosures.primitive) &&
                act(enclosures.ray, enclosures.primitive, range_ ? &*range_ : nullptr, convention_);
@@ -204,8 +204,8 @@ public:
     /// Result of `act(ray, primitive, range, convention)`, an optional, on the problem after a change. It is computed
     /// in balls, and in intervals of rising precision until it is decided; empty if it is not.
     template <class Act>
-    auto result_after(const Change& change, const Act& act) const {
-        return by_rising_precision([&]<class E>() {
+    auto result_after(const InputChange& change, const Act& act) const {
+        return find_at_rising_precision([&]<class E>() {
             const auto range = range_over<E>(range_in_world_);
             return neighbours_.visit_changed<E>(change, [&](const Ray<E>& ray, const Primitive<E>& primitive) {
                 return act(ray, primitive, range ? &*range : nullptr, convention_);

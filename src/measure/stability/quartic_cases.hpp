@@ -158,7 +158,7 @@ private:
             const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
             if (!(x > proved_to && x < high)) continue;
             // Around a minimum, the piece is as wide as the quadratic term is known not to vanish.
-            const Taylor expansion(span_.f, x, sign);
+            const TaylorExpansion expansion(span_.f, x, sign);
             const double c2 = expansion.c[2].lowest(), c3 = magnitude(expansion.c[3]);
             if (!(c2 > 0)) continue;
             double half_width = std::min(high - x, x - proved_to);
@@ -173,9 +173,9 @@ private:
 
     static double magnitude(const Near& x) { return std::max(std::fabs(x.lowest()), std::fabs(x.highest())); }
 
-    struct Taylor {
+    struct TaylorExpansion {
         std::array<Near, 5> c;
-        Taylor(const Polynomial<Near>& f, double m, int sign) {
+        TaylorExpansion(const Polynomial<Near>& f, double m, int sign) {
             const Near x(m);
             for (int i = 0; i <= 4; ++i)
                 c[static_cast<std::size_t>(i)] = sign > 0 ? f.coefficient(i) : -f.coefficient(i);
@@ -189,7 +189,7 @@ private:
         if (++pieces_ > max_pieces) return false;
         const double middle = low + (high - low) / 2,
                      half_width = std::max(high - middle, middle - low) * (1 + 0x1p-50);
-        const auto [c] = Taylor(span_.f, middle, sign);
+        const auto [c] = TaylorExpansion(span_.f, middle, sign);
         const double slack = half_width * magnitude(c[3]) + std::max(0.0, -c[4].lowest()) * half_width * half_width;
         const double curvature = c[2].lowest() - slack - (std::fabs(c[2].lowest()) + slack) * 0x1p-48;
         if (c[0].lowest() > (magnitude(c[1]) + std::max(0.0, -curvature) * half_width) * half_width * (1 + 0x1p-48))

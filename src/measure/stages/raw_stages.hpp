@@ -32,10 +32,10 @@ struct RawFindings {
     std::uint8_t *touches = nullptr, *on_surface = nullptr;
 };
 
-/// Tells whether the primitives of a batch are under matrices (`placed`), and of which kind. All matrices of one batch
-/// are of the same kind. In the columns, the numbers of a matrix follow the numbers of its primitive.
+/// Kind of the matrices of the primitives of a batch, if they have any (`exists`). All matrices of one batch are of the
+/// same kind. In the columns, the numbers of a matrix follow the numbers of its primitive.
 struct MatrixKind {
-    bool placed = false, is_inverse = false;
+    bool exists = false, is_inverse = false;
     int orientation = 1;
     friend auto operator<=>(const MatrixKind&, const MatrixKind&) = default;
 };

@@ -99,7 +99,7 @@ inline Order<TriMask<ColumnMask>> certain_order(const ColumnWord& x, const Colum
 }
 
 /// A number that is compared by its first word, which is known to 2^-45 of itself. That suffices for nearly all rays,
-/// under matrices too.
+/// with transforms too.
 ///
 /// The rounded products x = a b and y = c d of such numbers are off by at most 2.1·2^-45 of themselves plus 2^-1074,
 /// and x − y by 2^-53 more: a b < c d if x − y < −(2^-43 (|x| + |y|) + 2^-1000), and so on.

@@ -52,7 +52,7 @@ constexpr NumberIndex index_of(std::size_t number) {
 
 /// Tests if number k of a primitive is within the limit of its key.
 template <class S, std::size_t k, class E>
-mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& primitive) {
+mask_t<typename E::P> is_within_limit(const std::array<E, numbers_of<S>>& primitive) {
     using Limit = Key::Limit;
     constexpr NumberIndex index = index_of<S>(k);
     constexpr Key key = S::keys[index.key];
@@ -79,12 +79,12 @@ mask_t<typename E::P> keeps_limit(const std::array<E, numbers_of<S>>& primitive)
 /// Tests if the numbers of a primitive are valid, by the limits of its keys. A triangle whose corners lie on one line
 /// passes this test, but no ray is proved to cross it. `settle` finds origins and directions that are not finite.
 template <class S, class E, std::size_t... k>
-mask_t<typename E::P> keeps_limits(const std::array<E, numbers_of<S>>& primitive, std::index_sequence<k...>) {
-    return (keeps_limit<S, k>(primitive) && ...);
+mask_t<typename E::P> is_within_limits(const std::array<E, numbers_of<S>>& primitive, std::index_sequence<k...>) {
+    return (is_within_limit<S, k>(primitive) && ...);
 }
 template <class S, class E>
 mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
-    return keeps_limits<S>(primitive, std::make_index_sequence<numbers_of<S>>());
+    return is_within_limits<S>(primitive, std::make_index_sequence<numbers_of<S>>());
 }
 
 /// Returns the range from tmin to tmax. If it does not contain more than one t, `proper` becomes false, and nothing is
@@ -115,7 +115,7 @@ struct ObjectSpaceProblem {
     mask_t<typename E::P> proper;
 };
 
-/// Does the work of `to_object_space` (shapes/placement.hpp) for rays at one primitive, in each lane. Everything that
+/// Does the work of `to_object_space` (shapes/transform.hpp) for rays at one primitive, in each lane. Everything that
 /// depends only on the matrix and the primitive is computed once. If the determinant is not proved to differ from 0,
 /// nothing is proved. `proper` is decided before the numbers are scaled, since zero times a number with an error bound
 /// is not an exact zero.

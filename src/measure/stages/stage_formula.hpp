@@ -32,7 +32,7 @@ auto settle_inputs(const StageKey& key, const Word& word) {
     for (std::size_t k = 0; k < numbers_of<Shape>; ++k) problem.primitive[k] = primitive_number(k);
 
     // Takes it to the object space of a matrix.
-    if (key.matrix.placed) {
+    if (key.matrix.exists) {
         const auto map = Affine<E>::of([&](std::size_t k) { return primitive_number(max_shape_numbers + k); });
         const auto object_map = ObjectSpaceMap<Shape, E>::of(problem.primitive, map, key.matrix);
         problem = {object_map.ray(problem.ray), object_map.primitive, problem.d2, object_map.proper};

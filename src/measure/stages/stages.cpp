@@ -23,8 +23,8 @@ RawStages filled_stages(void (*fill)(RawStages&)) {
     return kernels;
 }
 
-/// Registers of 512 bits use the kernels of 256 bits. Maps then take 3 to 4 % more processor time than with kernels for
-/// 512 bits, which were slow to compile and were removed.
+/// Registers of 512 bits use the kernels of 256 bits. MatrixPair then take 3 to 4 % more processor time than with
+/// kernels for 512 bits, which were slow to compile and were removed.
 const RawStages& kernels_at(Isa isa) {
 #if defined(__x86_64__)
     if (isa == Isa::w256 || isa == Isa::w512) {
@@ -84,7 +84,7 @@ void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
     const StageKey key{.shape = shape,
                        .words = arithmetic == Arithmetic::one_word ? 1 : 2,
                        .two_words = problems.two_words,
-                       .matrix = problems.matrix.placed ? problems.matrix : MatrixKind{},
+                       .matrix = problems.matrix.exists ? problems.matrix : MatrixKind{},
                        .has_ranges = problems.has_ranges,
                        .open_ends = problems.has_ranges ? problems.open_ends : OpenEnds{},
                        .wants_t = problems.out.t.hi != nullptr,

@@ -11,8 +11,8 @@
 
 namespace lostbits::measure::stages {
 
-using number::wide::Grid;
 using number::wide::Multiple;
+using number::wide::UnitAndSize;
 
 /// Largest numbers of bits of points and of directions for which two words hold the polynomials exactly. For a shape
 /// that lies flat between points, every sign is that of a polynomial of degree three. With points up to S = 2^31 U,
@@ -76,9 +76,9 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
     using BoundedWords = Running<TwoWords<P>>;
 
     // Exact multiples of two units, one of points and one of directions
-    const Grid<P> point_grid =
-        std::apply([&](const auto&... p) { return Grid<P>::of(bits_of_points, ray[0], ray[1], ray[2], p...); }, points);
-    const Grid<P> direction_grid = Grid<P>::of(bits_of_directions, ray[3], ray[4], ray[5]);
+    const UnitAndSize<P> point_grid = std::apply(
+        [&](const auto&... p) { return UnitAndSize<P>::of(bits_of_points, ray[0], ray[1], ray[2], p...); }, points);
+    const UnitAndSize<P> direction_grid = UnitAndSize<P>::of(bits_of_directions, ray[3], ray[4], ray[5]);
     const auto ray_number = [&](std::size_t k) { return E(ray[k], k < 3 ? point_grid : direction_grid); };
     const FlatSpan<E> span =
         primitive_from<ShapeOver, E>([&](std::size_t k) {

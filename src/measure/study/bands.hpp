@@ -41,7 +41,7 @@ public:
 
     /// Calls `measure` with each band, one after another.
     template <class Measure>
-    void each(truth::ProofLimit limit, const Measure& measure) const {
+    void for_each_band(truth::ProofLimit limit, const Measure& measure) const {
         culling::Culler culler(scene_);
         for (std::size_t k = 0; k < size(); ++k) {
             truth::Band band = at(k, limit, culler);

@@ -104,7 +104,7 @@ truth::ProofLimit truth_limit(const Limit& limit) {
 
 /// Returns an empty summary for each tested form.
 template <Study S>
-std::vector<typename S::Summary> begin_all(const S& study) {
+std::vector<typename S::Summary> empty_summaries(const S& study) {
     std::vector<typename S::Summary> summaries;
     for (std::size_t form_index = 0; form_index < study.tested_forms.size(); ++form_index)
         summaries.push_back(study.begin(form_index));
@@ -116,10 +116,10 @@ std::vector<typename S::Summary> begin_all(const S& study) {
 template <Study S>
 std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& show = {}) {
     study.require();
-    auto summaries = begin_all(study);
+    auto summaries = empty_summaries(study);
     for (const FormsOfScene& forms_of_scene : scenes_of(study)) {
         const Bands bands(*forms_of_scene.scene, study.share, S::pixels_per_band);
-        bands.each(truth_limit(study.limit), [&](truth::Band& band) {
+        bands.for_each_band(truth_limit(study.limit), [&](truth::Band& band) {
             if constexpr (requires { *study.stages += band.stages(); })
                 if (study.stages) *study.stages += band.stages();
             const auto& shared = prepare_band(study, band, forms_of_scene.form_indices);

@@ -15,7 +15,7 @@ using scene::sweep::FloatRange;
 
 std::uint64_t FloatTally::floats() const { return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0}); }
 
-std::uint64_t FloatTally::wrong() const {
+std::uint64_t FloatTally::wrong_count() const {
     std::uint64_t sum = 0;
     for (const answer::Outcome outcome : answer::wrong_decisions) sum += count(outcome);
     return sum;

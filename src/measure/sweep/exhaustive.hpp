@@ -77,7 +77,7 @@ struct FloatTally {
         return outcomes[static_cast<std::size_t>(outcome)];
     }
     [[nodiscard]] std::uint64_t floats() const;
-    [[nodiscard]] std::uint64_t wrong() const;
+    [[nodiscard]] std::uint64_t wrong_count() const;
     /// Adds the next float; the error is NaN unless form and truth hit.
     void add(std::uint32_t float_index, answer::Outcome outcome, double ulps);
     /// Appends the counts of the floats that come after these.

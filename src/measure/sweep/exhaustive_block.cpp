@@ -175,7 +175,7 @@ private:
     [[nodiscard]] BoundingBox<float> box_around(const Primitive<float>& primitive) const {
         if (boxed_parts_.form == nullptr) return bounding_box_of(primitive);
         const auto [lo, hi] = boxed_parts_.method->compute_box(
-            row_.format, transformed(primitive, [](float x) { return static_cast<double>(x); }));
+            row_.format, convert_numbers(primitive, [](float x) { return static_cast<double>(x); }));
         const auto narrow = [](const Vec<double>& v) {
             return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
         };

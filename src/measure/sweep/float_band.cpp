@@ -23,7 +23,7 @@ class FloatBand {
 public:
     explicit FloatBand(const FloatsOnRay& floats_on_ray)
         : tested_forms_(floats_on_ray.request.tested_forms),
-          group_(floats_on_ray.request.sweep.group_over(floats_on_ray.ray, floats_on_ray.floats)),
+          group_(floats_on_ray.request.sweep.group_of_floats(floats_on_ray.ray, floats_on_ray.floats)),
           culler_(make_culler(group_)),
           band_(group_, floats_on_ray.request.limit, culler_ ? &*culler_ : nullptr),
           shared_truth_(band_, tested_forms_, measured_metrics()) {}

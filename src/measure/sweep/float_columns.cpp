@@ -126,7 +126,7 @@ void AxisColumns::answer(const TestedForm& tested_form, std::span<float> t, std:
 void AxisColumns::answer_primitives(const TestedForm& tested_form, const RayBatch<float>& rays,
                                     const HitBatch<float>& hits) {
     const std::size_t n = values_.size();
-    const intersect::simd::ManyRow kernels = intersect::simd::many_kernels(*tested_form.form);
+    const intersect::simd::ManyFormKernels kernels = intersect::simd::many_kernels(*tested_form.form);
     if (!kernels.f32 || kernels.takes_tmax || !file_.ray_indices.empty()) {
         make_primitives();
         return tested_form.form->native32(

@@ -156,9 +156,9 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
     if (good_index == bad_index) return;
 
     onset.recovers = true;
-    onset.good_at_end = good_index + 1 == steps.size();
+    onset.is_good_at_end = good_index + 1 == steps.size();
     onset.last_good_after = steps[good_index]->values.front();
-    if (onset.good_at_end) return;
+    if (onset.is_good_at_end) return;
 
     onset.bad_again = steps[good_index + 1]->values.front();
     narrow_bracket(
@@ -184,7 +184,7 @@ Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::siz
 
     // Locates the onset between the last good step and the first bad one.
     if (first_bad_step == steps.begin()) {
-        onset.from_start = true;
+        onset.happens_at_start = true;
         return onset;
     }
     onset.last_good = (*std::prev(first_bad_step))->values.front();
@@ -204,11 +204,11 @@ std::vector<Onset> find_onsets_of_draw(const SweepRequest& request, const std::v
     intersect::process::in_parallel(std::size_t{0}, request.tested_forms.size(), [&](std::size_t form_index) {
         FormEvaluator evaluator(request, form_index);
         for (const Event& event : list_events(request.tested_forms[form_index], request.metrics)) {
-            if (!request.asks_for({form_index, event.name, event.statistic, event.threshold})) continue;
+            if (!request.wants_onset({form_index, event.name, event.statistic, event.threshold})) continue;
             onsets_by_row[form_index].push_back(locate_onset(request, forward_steps, form_index, event, evaluator));
             if (!request.both_ends) continue;
             onsets_by_row[form_index].push_back(locate_onset(request, backward_steps, form_index, event, evaluator));
-            onsets_by_row[form_index].back().from_last = true;
+            onsets_by_row[form_index].back().reads_backwards = true;
         }
         request.progress(steps.size());
     });

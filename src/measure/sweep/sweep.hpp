@@ -26,17 +26,17 @@ struct SweepStep {
 /// Value of the first axis at which a form first crosses a threshold.
 struct Onset {
     std::size_t form_index;
-    std::string event;       ///< `lost_bits`, a step of a transform, an outcome, or why a march stopped
-    std::string statistic;   ///< `p50`, `p99`, `max`; `count` for the outcomes
-    double threshold;        ///< in bits, in ulps of a step, or 1 for a count
-    bool from_last = false;  ///< the steps are read backwards; `first`, `last` and `after` mean this order
+    std::string event;             ///< `lost_bits`, a step of a transform, an outcome, or why a march stopped
+    std::string statistic;         ///< `p50`, `p99`, `max`; `count` for the outcomes
+    double threshold;              ///< in bits, in ulps of a step, or 1 for a count
+    bool reads_backwards = false;  ///< the steps are read backwards; `first`, `last` and `after` mean this order
     bool found = false;
-    bool from_start = false;  ///< the event happens at the first step already, so there is no last good value
+    bool happens_at_start = false;  ///< the event happens at the first step already, so there is no last good value
     double last_good = 0, first_bad = 0;
     double value_at_first_bad = 0;  ///< value of the statistic
     /// Recovery after the first bad step. `recovers`: a later step is good; the last good step and the point from which
-    /// the form stays bad are recorded. `good_at_end`: the last step is good, and neither is recorded.
-    bool recovers = false, good_at_end = false;
+    /// the form stays bad are recorded. `is_good_at_end`: the last step is good, and neither is recorded.
+    bool recovers = false, is_good_at_end = false;
     double last_good_after = 0, bad_again = 0;
     std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer rays, a first failure is found later
     /// `first_bad` of further draws, one for each seed; NaN if the event does not happen.
@@ -45,7 +45,7 @@ struct Onset {
     /// True if both are the same event of one row, read from the same end.
     [[nodiscard]] bool is_same_event(const Onset& other) const {
         return form_index == other.form_index && event == other.event && statistic == other.statistic &&
-               threshold == other.threshold && from_last == other.from_last;
+               threshold == other.threshold && reads_backwards == other.reads_backwards;
     }
     /// Spread of first_bad over all draws.
     [[nodiscard]] metric::Spread spread() const {
@@ -74,7 +74,7 @@ struct SweepRequest {
     truth::ProofLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
-    [[nodiscard]] bool asks_for(const Onset& onset) const {
+    [[nodiscard]] bool wants_onset(const Onset& onset) const {
         return wanted_onsets.empty() ||
                std::ranges::any_of(wanted_onsets, [&onset](const Onset& event) { return event.is_same_event(onset); });
     }

@@ -135,7 +135,7 @@ private:
             else if (file_.aim) aim_at_feature(p);
             else aim_at_point(p);
             for (double& x : p.numbers) x = rounding::to_format(x, 0, row_.format.parameters);
-            if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
+            if (file_.contains(p.ray(), p.primitive(file_.shape))) return p;
         }
         return std::nullopt;
     }
@@ -251,7 +251,7 @@ private:
                 x = file_.exponents && random_.below(2) == 0 ? flip_bit(x) : step_randomly(x);
             }
             if (file_.at_edge && random_.below(2) == 0) move_to_edge(p);
-            if (file_.holds(p.ray(), p.primitive(file_.shape))) return p;
+            if (file_.contains(p.ray(), p.primitive(file_.shape))) return p;
         }
         return point;
     }
@@ -273,7 +273,7 @@ private:
     BatchWorst measure_batch(const std::vector<SearchPoint>& candidates) {
         scene::rays::RayBlock rays;
         for (const SearchPoint& p : candidates) rays.push(p.ray());
-        rays.set_as_list();
+        rays.mark_as_list();
         evaluations_ += candidates.size();
         truth::Band band(std::move(rays), {candidates.front().primitive(file_.shape)}, request_.limit);
         const evaluate::SharedBandTruth shared(band, {row_}, request_.metrics);

@@ -259,7 +259,7 @@ void fill_contracted_form(ContractedForms::ComposedForm& composed) {
 Tape contract_tape(const Tape& tape) { return Contraction(tape).contract(); }
 
 const Intersector& contracted_form(const Intersector& form) {
-    if (form.is_placed)
+    if (form.has_transform_method)
         throw InputError(std::string(form.info->name) + std::string(contracted_suffix) +
                          ": the suffix of the contraction comes before that of the transform; write FORM" +
                          std::string(contracted_suffix) + "@TRANSFORM");

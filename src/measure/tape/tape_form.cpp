@@ -110,7 +110,7 @@ std::string refusal_of_tape(const Intersector& form) {
     if (!is_primitive(form.shape))
         return "it marches, so its operations differ from ray to ray; name a form of a primitive";
     if (form.is_set()) return "it stands for several forms; name one of them";
-    if (intersect::bounding_box::innermost_form(form).filter_arithmetic)
+    if (intersect::bounding_box::innermost_form(form).deciding_arithmetic)
         return "it filters: it uses more precision where a ray needs it, so its operations differ from ray to ray; "
                "name a form that does the same operations for every ray";
     if (intersect::bounding_box::has_box(form))
@@ -133,7 +133,7 @@ Tape record_tape(const Intersector& form, const Format& format, bool from_invers
     Primitive<double> primitive(form.shape);
     for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
         primitive.numbers[k] = static_cast<double>(k + 1);
-    if (form.is_placed) primitive.placed = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
+    if (form.has_transform_method) primitive.transform = {{2, 0, 0, 1, 0, 2, 0, 1, 0, 0, 2, 1}, from_inverse};
     Tape tape;
     tape.runs_every_loop = true;
     form.record(format, sample_ray, intersect::Target<double>(primitive), HUGE_VAL, tape);
@@ -145,7 +145,8 @@ std::vector<double> inputs_of(const Ray<double>& ray, const Primitive<double>& p
     std::vector<double> inputs{o.x, o.y, o.z, d.x, d.y, d.z};
     const auto used = primitive.shape_numbers();
     inputs.insert(inputs.end(), used.begin(), used.end());
-    if (primitive.placed) inputs.insert(inputs.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
+    if (primitive.transform)
+        inputs.insert(inputs.end(), primitive.transform->matrix.begin(), primitive.transform->matrix.end());
     inputs.push_back(tmax);
     return inputs;
 }
@@ -158,8 +159,8 @@ Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitiv
     Primitive<double> primitive = model;
     auto next = inputs.begin() + 6;
     for (double& x : primitive.shape_numbers()) x = *next++;
-    if (primitive.placed)
-        for (double& x : primitive.placed->matrix) x = *next++;
+    if (primitive.transform)
+        for (double& x : primitive.transform->matrix) x = *next++;
     return primitive;
 }
 
@@ -200,7 +201,7 @@ TapeForm::TapeForm(const Intersector& model, const Format& format, const Tape& t
             .shape = model.shape,
             .native32 = nullptr,
             .native64 = nullptr,
-            .is_placed = model.is_placed} {
+            .has_transform_method = model.has_transform_method} {
     info_.name = name_;
     info_.title = title_;
     if (format.engine == Format::Engine::native32) form_.native32 = {run_program<float>, &program_};

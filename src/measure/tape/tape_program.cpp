@@ -22,7 +22,7 @@ namespace {
 template <class S>
 S primitive_number(const Primitive<S>& primitive, std::size_t index) {
     const auto numbers = primitive.shape_numbers();
-    return index < numbers.size() ? numbers[index] : primitive.placed->matrix[index - numbers.size()];
+    return index < numbers.size() ? numbers[index] : primitive.transform->matrix[index - numbers.size()];
 }
 
 constexpr bool is_pair(NodeArithmetic arithmetic) {

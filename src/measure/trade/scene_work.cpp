@@ -33,12 +33,12 @@ std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector
 
 /// Returns, for each primitive, the index of the first primitive with the same numbers.
 std::vector<int> first_equal_indices(const std::vector<Primitive<double>>& primitives) {
-    using Matrix = std::optional<std::pair<bool, decltype(Placement<double>::matrix)>>;
+    using Matrix = std::optional<std::pair<bool, decltype(Transform<double>::matrix)>>;
     std::map<std::tuple<Shape, decltype(Primitive<double>::numbers), Matrix>, int> first_by_key;
     std::vector<int> first_indices;
     for (const Primitive<double>& primitive : primitives) {
         Matrix matrix;
-        if (primitive.placed) matrix.emplace(primitive.placed->is_inverse, primitive.placed->matrix);
+        if (primitive.transform) matrix.emplace(primitive.transform->is_inverse, primitive.transform->matrix);
         const std::tuple key(primitive.shape, primitive.numbers, matrix);
         first_indices.push_back(first_by_key.emplace(key, static_cast<int>(first_indices.size())).first->second);
     }
@@ -128,7 +128,8 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
     return row_store;
 }
 
-TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form, const intersect::simd::PackedRow& kernels) {
+TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form,
+                              const intersect::simd::PackedFormKernels& kernels) {
     const std::size_t items = rays() * primitives();
     if (tested_form.format.engine == Format::Engine::native32)
         return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, items, true};

@@ -34,7 +34,7 @@ public:
     /// Returns the work that tests every ray against every primitive by the row's kernel; an item is one ray and one
     /// primitive. The format is f32 or f64. All work of one format shares its arrays, so only one piece of it may run
     /// at a time. The arrays live as long as any work on them.
-    TimedWork work_for(const evaluate::TestedForm& tested_form, const intersect::simd::PackedRow& kernels);
+    TimedWork work_for(const evaluate::TestedForm& tested_form, const intersect::simd::PackedFormKernels& kernels);
 
 private:
     void choose_primitives(const std::vector<int>& first_equal, std::size_t primitives);

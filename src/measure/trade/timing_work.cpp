@@ -49,7 +49,7 @@ TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, 
 }  // namespace
 
 std::span<const RaySet> ray_sets(Shape shape) {
-    return is_primitive(shape) ? distribution_of(shape).sets() : std::span<const RaySet>();
+    return is_primitive(shape) ? distribution_of(shape).ray_sets() : std::span<const RaySet>();
 }
 
 RayPool ray_pool(Shape shape) {
@@ -164,9 +164,10 @@ std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
     const bool warms_up = fits_in_cache(bytes_);
 
     // Loops as other projects write them
-    const intersect::simd::PlainRow* const plain = k.kernel_name.starts_with("plain-") && k.format_name == "f32"
-                                                       ? row_of(intersect::simd::plain_rows(), k.form_name)
-                                                       : nullptr;
+    const intersect::simd::PlainFormKernels* const plain =
+        k.kernel_name.starts_with("plain-") && k.format_name == "f32"
+            ? row_of(intersect::simd::all_plain_kernels(), k.form_name)
+            : nullptr;
     if (plain && k.kernel_name == "plain-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] {
                              loop(ray.data(), boxes.data(), field->t.data(), field->t.size());
@@ -180,7 +181,8 @@ std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
 
     // Kernels of the forms
     const auto isa = intersect::simd::find_isa(k.kernel_name);
-    const intersect::simd::ManyRow* const row = isa ? row_of(intersect::simd::many_rows(*isa), k.form_name) : nullptr;
+    const intersect::simd::ManyFormKernels* const row =
+        isa ? row_of(intersect::simd::all_many_kernels(*isa), k.form_name) : nullptr;
     if (row && row->takes_tmax && row->f32 && k.format_name == "f32") return packed_work(f32(), row->f32, warms_up);
     if (row && row->takes_tmax && row->f64 && k.format_name == "f64") return packed_work(f64(), row->f64, warms_up);
     return std::nullopt;
@@ -188,12 +190,13 @@ std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
 
 std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
     const auto isa = intersect::simd::find_isa(k.kernel_name);
-    const intersect::simd::PackedRow* const row =
-        isa ? row_of(intersect::simd::packed_rows(*isa), k.form_name) : nullptr;
+    const intersect::simd::PackedFormKernels* const row =
+        isa ? row_of(intersect::simd::all_packed_kernels(*isa), k.form_name) : nullptr;
     if (!row) return std::nullopt;
     const bool warms_up = fits_in_cache(bytes_);
     const Shape shape =
-        intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::packed_rows(*isa).data())].shape;
+        intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::all_packed_kernels(*isa).data())]
+            .shape;
     if (row->f32 && k.format_name == "f32") return packed_work(f32(shape), row->f32, warms_up);
     if (row->f64 && k.format_name == "f64") return packed_work(f64(shape), row->f64, warms_up);
     return std::nullopt;

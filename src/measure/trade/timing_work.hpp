@@ -109,7 +109,7 @@ extern template class BoxField<double>;
 std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches);
 
 /// A form in a kernel. `scalar`, `128`, `256`, `512` are those of `Isa`. `plain-256` and `plain-structs-256` are the
-/// loops of `PlainRow`, which exist only for one ray against many boxes in float.
+/// loops of `PlainFormKernels`, which exist only for one ray against many boxes in float.
 struct TimedKernel {
     std::string_view form_name, kernel_name, format_name;
 };

@@ -140,12 +140,12 @@ std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& tested_for
         if (kernel.f32 || kernel.f64) kernels.push_back(std::move(kernel));
     };
     for (const TestedForm& tested_form : tested_forms) {
-        // A row under a matrix uses the current register width.
-        const auto isas = tested_form.form->shapes().are_placed() ? std::vector{intersect::simd::current_isa()}
-                                                                  : intersect::simd::available_isas();
+        // A row with a transform uses the current register width.
+        const auto isas = tested_form.form->shapes().have_transform() ? std::vector{intersect::simd::current_isa()}
+                                                                      : intersect::simd::available_isas();
         for (const intersect::simd::Isa isa : isas) {
             if (isas.size() > 1 && isa != intersect::simd::Isa::scalar && !is_packed(*tested_form.form, isa)) continue;
-            const intersect::simd::PackedRow packed = packed_kernels(*tested_form.form, isa);
+            const intersect::simd::PackedFormKernels packed = packed_kernels(*tested_form.form, isa);
             add({.measured = tested_form, .isa = name_of(isa)}, packed.f32, packed.f64);
         }
     }

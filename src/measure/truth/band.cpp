@@ -36,8 +36,9 @@ bool fits_binary32(const scene::rays::RayGroup& group, const PrimitiveList<doubl
     };
     for (const auto* numbers : group.rays.numbers()) std::ranges::for_each(*numbers, check_number);
     for (const auto* numbers : {&group.rays.tmin, &group.rays.tmax}) std::ranges::for_each(*numbers, check_number);
-    for (const Primitive<double>& primitive : group.primitives) static_cast<void>(transformed(primitive, check_number));
-    if (group.march) transformed(*group.march, check_number);
+    for (const Primitive<double>& primitive : group.primitives)
+        static_cast<void>(convert_numbers(primitive, check_number));
+    if (group.march) convert_numbers(*group.march, check_number);
     return all_fit;
 }
 
@@ -82,11 +83,11 @@ Band::Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, Pro
     scene_ = &scene;
 }
 
-Band::Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, ProofLimit limit)
+Band::Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool is_paired, ProofLimit limit)
     : y0_(rays.y0),
       scanlines_(rays.y1 - rays.y0),
       limit_(limit),
-      paired_(paired),
+      is_paired_(is_paired),
       ideal_(std::move(rays)),
       ideal_primitives_(std::move(primitives)) {
     find_all_truths();
@@ -97,7 +98,7 @@ Band::Band(scene::rays::RayGroup group, ProofLimit limit, culling::Culler* culle
       y0_(group.rays.y0),
       scanlines_(group.rays.y1 - group.rays.y0),
       limit_(limit),
-      paired_(group.paired),
+      is_paired_(group.is_paired),
       shared_primitives_(shared_primitive_list(group, culler)),
       shared_march_(group.march) {
     binary32_holds_all_ = fits_binary32(group, shared_primitives_);
@@ -127,10 +128,10 @@ Ray<double> to_double_ray(const Ray<S>& ray) {
 }
 
 /// Selects the primitives that a ray is tested against: the candidates of `index`; if it is null, all primitives; if
-/// `paired`, only the primitive with the index of the ray.
+/// `is_paired`, only the primitive with the index of the ray.
 struct Candidates {
     const culling::PrimitiveIndex* index = nullptr;
-    bool paired = false;
+    bool is_paired = false;
 };
 
 /// Truth of ray i among its candidates.
@@ -138,7 +139,7 @@ template <class S>
 Truth find_candidate_truth(Candidates candidates, std::size_t i, const Ray<S>& ray, const PrimitiveList<S>& primitives,
                            ProofLimit limit, Convention convention, const Range<double>& range) {
     const culling::PrimitiveIndex* const index = candidates.index;
-    if (candidates.paired) {
+    if (candidates.is_paired) {
         Truth truth = find_truth(ray, primitives[i], limit, convention, range);
         if (truth.primitive >= 0) truth.primitive = static_cast<int>(i);
         return truth;
@@ -161,7 +162,7 @@ Truth find_candidate_truth(Candidates candidates, std::size_t i, const Ray<S>& r
 }  // namespace
 
 Truth Band::find_ray_truth(std::size_t i, Convention convention) const {
-    const Candidates candidates{culler_ ? culler_->index_for_truth() : nullptr, paired_};
+    const Candidates candidates{culler_ ? culler_->index_for_truth() : nullptr, is_paired_};
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         return find_candidate_truth(candidates, i, ray, primitives, limit_, convention, range(i));
     });
@@ -176,8 +177,9 @@ Truth Band::truth_of_primitive(std::size_t i, std::size_t primitive, Convention 
 void Band::find_all_truths() {
     const culling::PrimitiveIndex* const index = culler_ ? culler_->index_for_truth() : nullptr;
     stages_ =
-        ideal_ ? find_truths(RaysAndPrimitives<Real>{*ideal_, ideal_primitives_, index, paired_}, limit_, truths_)
-               : find_truths(RaysAndPrimitives<double>{shared_, shared_primitives_, index, paired_}, limit_, truths_);
+        ideal_
+            ? find_truths(RaysAndPrimitives<Real>{*ideal_, ideal_primitives_, index, is_paired_}, limit_, truths_)
+            : find_truths(RaysAndPrimitives<double>{shared_, shared_primitives_, index, is_paired_}, limit_, truths_);
 }
 
 const Truth& Band::special_truth(std::size_t i, Convention convention) const {
@@ -222,7 +224,7 @@ bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     if (ideal_ || !shared_primitives_.all_listed() || (culler_ && culler_->index_for_truth())) return true;
     const auto primitives = shared_primitives_.listed();
     return std::ranges::any_of(
-        paired_ ? primitives.subspan(i, 1) : primitives,
+        is_paired_ ? primitives.subspan(i, 1) : primitives,
         [ray = shared_[i]](const Primitive<double>& primitive) { return culling::may_start_inside(ray, primitive); });
 }
 
@@ -232,7 +234,7 @@ Truth Band::truth(std::size_t i, Convention convention) const {
 }
 
 FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
-    FormatInputs in{.format = format, .paired = paired_, .stop = limit_.stop};
+    FormatInputs in{.format = format, .is_paired = is_paired_, .stop = limit_.stop};
     const FloatFormat& parameters = format.parameters;
 
     // Rounds the rays and primitives, and finds out whether the format rounds any number at all.
@@ -264,7 +266,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     find_reach(in, needs);
     if (needs.stored_truth && !in.is_ideal) {
         if (culler_) in.truth_index = culler_->index_for_stored_truth(parameters, in.primitives);
-        find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, in.truth_index.get(), paired_}, limit_,
+        find_truths(RaysAndPrimitives<double>{in.rays, in.primitives, in.truth_index.get(), is_paired_}, limit_,
                     in.stored_truth);
     }
     return in;
@@ -272,9 +274,9 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
 
 Truth FormatInputs::find_stored_truth(std::size_t i, Convention convention) const {
     const Truth closed_truth = stored_truth[i];
-    if (!convention.is_special() && !matters(convention, closed_truth.touches, closed_truth.on_surface))
+    if (!convention.is_special() && !convention_matters(convention, closed_truth.touches, closed_truth.on_surface))
         return closed_truth;
-    return find_candidate_truth({truth_index.get(), paired}, i, rays[i], primitives, {.stop = stop}, convention,
+    return find_candidate_truth({truth_index.get(), is_paired}, i, rays[i], primitives, {.stop = stop}, convention,
                                 rays.range(i));
 }
 
@@ -314,14 +316,14 @@ bool Band::is_primitive_unrounded(const FormatInputs& inputs, std::size_t k) con
         const auto stored_primitive = inputs.primitives[k];
         const auto original = primitives[k];
         if (!std::ranges::equal(stored_primitive.shape_numbers(), original.shape_numbers(), is_same)) return false;
-        return !original.placed ||
-               std::ranges::equal(stored_primitive.placed->matrix, original.placed->matrix, is_same);
+        return !original.transform ||
+               std::ranges::equal(stored_primitive.transform->matrix, original.transform->matrix, is_same);
     });
 }
 
 bool Band::is_unrounded(const FormatInputs& inputs, std::size_t i) const {
     if (!is_ray_unrounded(inputs, i)) return false;
-    if (paired_) return is_primitive_unrounded(inputs, i);
+    if (is_paired_) return is_primitive_unrounded(inputs, i);
     return holds_for_all(inputs.primitives.size(), [&](std::size_t k) { return is_primitive_unrounded(inputs, k); });
 }
 
@@ -346,7 +348,7 @@ std::optional<scene::rays::RecordedRay> Band::recorded_ray(std::size_t i, const 
 }
 
 std::shared_ptr<const scene::rays::RayGroup> Band::original_group(std::size_t i, std::set<int> primitives) const {
-    if (paired_) primitives = {static_cast<int>(i)};
+    if (is_paired_) primitives = {static_cast<int>(i)};
     const std::size_t count = primitives.empty() ? shared_primitives_.size() : primitives.size();
     if (scene_ != nullptr || ideal_ || count > max_original_primitives) return nullptr;
     auto group = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));

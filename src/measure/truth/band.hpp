@@ -33,8 +33,9 @@ public:
     explicit Band(scene::rays::RayGroup group, ProofLimit limit = {}, culling::Culler* culler = nullptr);
     /// Uses ideal rays among the primitives of a scene with own inputs. The scene must outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::IdealRayBlock rays, ProofLimit limit = {});
-    /// Uses ideal rays and primitives; if `paired`, ray i is tested only against primitive i.
-    Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool paired, ProofLimit limit = {});
+    /// Uses ideal rays and primitives; if `is_paired`, ray i is tested only against primitive i.
+    Band(scene::rays::IdealRayBlock rays, std::vector<Primitive<Real>> primitives, bool is_paired,
+         ProofLimit limit = {});
     /// Uses one ray in stored numbers among the primitives of a scene with shared inputs. `culler` has the primitives
     /// of this scene and must outlive the band.
     Band(const scene::file::Scene& scene, scene::rays::RayBlock single_ray, culling::Culler& culler,
@@ -114,7 +115,7 @@ private:
     int y0_ = 0, scanlines_ = 0;
     ProofLimit limit_;
     bool binary32_holds_all_ = true;  ///< binary32 holds every shared number
-    bool paired_ = false;             ///< ray i is tested only against primitive i
+    bool is_paired_ = false;          ///< ray i is tested only against primitive i
     scene::rays::RayBlock shared_;    ///< used if inputs = shared
     scene::rays::PrimitiveList<double> shared_primitives_;
     std::optional<scene::rays::IdealRayBlock> ideal_;  ///< used if inputs = own

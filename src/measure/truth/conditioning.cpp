@@ -24,16 +24,16 @@ namespace {
 struct FlatProblem {
     Shape shape;
     std::variant<std::vector<double>, std::vector<Real>> numbers;
-    std::optional<Placement<int>> placed;  ///< kind of the matrix, without its numbers
+    std::optional<Transform<int>> transform;  ///< kind of the matrix, without its numbers
 
     template <class S>
     FlatProblem(const Ray<S>& ray, const Primitive<S>& primitive) : shape(primitive.shape) {
         auto& all_numbers = numbers.emplace<std::vector<S>>();
         for (const Vec<S>& v : {ray.origin, ray.direction}) all_numbers.insert(all_numbers.end(), {v.x, v.y, v.z});
         all_numbers.insert(all_numbers.end(), primitive.shape_numbers().begin(), primitive.shape_numbers().end());
-        if (!primitive.placed) return;
-        all_numbers.insert(all_numbers.end(), primitive.placed->matrix.begin(), primitive.placed->matrix.end());
-        placed = transformed(*primitive.placed, [](const S&) { return 0; });
+        if (!primitive.transform) return;
+        all_numbers.insert(all_numbers.end(), primitive.transform->matrix.begin(), primitive.transform->matrix.end());
+        transform = convert_numbers(*primitive.transform, [](const S&) { return 0; });
     }
 };
 
@@ -65,9 +65,9 @@ struct Problem {
             v->z = next_input();
         }
         for (auto& element : primitive.shape_numbers()) element = next_input();
-        if (!flat.placed) return;
-        primitive.placed = transformed(*flat.placed, [](int) { return DualEnclosure<E>(0); });
-        for (auto& element : primitive.placed->matrix) element = next_input();
+        if (!flat.transform) return;
+        primitive.transform = convert_numbers(*flat.transform, [](int) { return DualEnclosure<E>(0); });
+        for (auto& element : primitive.transform->matrix) element = next_input();
     }
 };
 

@@ -30,8 +30,8 @@ struct FormatInputs {
     std::shared_ptr<const culling::PrimitiveIndex> truth_index = {};
     /// Reach of the closed primitive's truth by `Perturbed` and `Length` (see `truth::reach`); empty unless requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
-    bool is_ideal = false;  ///< the inputs are exactly those of the truth
-    bool paired = false;    ///< ray i is tested only against primitive i
+    bool is_ideal = false;   ///< the inputs are exactly those of the truth
+    bool is_paired = false;  ///< ray i is tested only against primitive i
     /// Index of the primitives that forms are tested against. It is for spheres; other shapes have `candidates` ray by
     /// ray. If both are null, forms are tested against all primitives.
     std::shared_ptr<const culling::SphereIndex> index = {};

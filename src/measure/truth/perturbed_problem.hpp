@@ -74,7 +74,7 @@ public:
     ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbation,
                    Length length)
         : matrix_begin_(primitive_begin + row_of(s.shape).numbers),
-          count_(matrix_begin_ + (s.placed ? Affine<S>::numbers : 0)),
+          count_(matrix_begin_ + (s.transform ? Affine<S>::numbers : 0)),
           shape_(s.shape),
           is_normwise_(perturbation == Perturbed::normwise),
           is_distance_(length == Length::distance) {
@@ -82,9 +82,9 @@ public:
             return i < direction_begin   ? r.origin[static_cast<int>(i)]
                    : i < primitive_begin ? r.direction[static_cast<int>(i - direction_begin)]
                    : i < matrix_begin_   ? s.numbers[i - primitive_begin]
-                                         : s.placed->matrix[place_in_matrix(i - matrix_begin_)];
+                                         : s.transform->matrix[place_in_matrix(i - matrix_begin_)];
         };
-        if (s.placed) placed_ = transformed(*s.placed, [](const S&) { return 0; });
+        if (s.transform) transform_ = convert_numbers(*s.transform, [](const S&) { return 0; });
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
             std::fill_n(&is_direction_[primitive_begin + k], key.count(), key.kind == Key::Kind::direction);
         });
@@ -94,7 +94,7 @@ public:
         bound_errors(exact_number, format);
     }
 
-    [[nodiscard]] bool is_placed() const { return placed_.has_value(); }
+    [[nodiscard]] bool has_transform() const { return transform_.has_value(); }
     [[nodiscard]] Shape shape() const { return shape_; }
     /// Number i with the largest error that it may have.
     [[nodiscard]] BoundedDouble perturbed(std::size_t i) const { return {numbers_[i], total_error_[i]}; }
@@ -145,12 +145,13 @@ public:
     /// For distances d is replaced by e = d/|d|, where |e| = 1 and |Δe| ≤ 2|Δd|/(2|d| − |Δd|) (Dunkl and Williams, A
     /// simple norm inequality, 1964).
     [[nodiscard]] double ball_bound(const BoundedDouble& t) const {
-        if (placed_ || !has_bounding_box(shape_)) return unbounded;
-        Primitive<double> unplaced(shape_);
-        std::copy_n(numbers_.begin() + primitive_begin, unplaced.shape_numbers().size(), unplaced.numbers.begin());
+        if (transform_ || !has_bounding_box(shape_)) return unbounded;
+        Primitive<double> untransformed(shape_);
+        std::copy_n(numbers_.begin() + primitive_begin, untransformed.shape_numbers().size(),
+                    untransformed.numbers.begin());
         // Covers the roundings of a radius, and what its squares lose to underflow.
         double largest_separation =
-            2 * ball_around(unplaced).radius + 0x1p-48 * length_of(numbers_, primitive_begin, count_) + 0x1p-500;
+            2 * ball_around(untransformed).radius + 0x1p-48 * length_of(numbers_, primitive_begin, count_) + 0x1p-500;
         for_each_vector([&](std::size_t first, std::size_t end) {
             if (first != direction_begin) largest_separation += length_of(input_error_, first, end);
         });
@@ -167,8 +168,8 @@ public:
 protected:
     /// Indices of the first numbers of the direction and the primitive; those of the origin come first.
     static constexpr std::size_t direction_begin = 3, primitive_begin = 6;
-    std::size_t matrix_begin_, count_;      ///< index of the first number of the matrix; count of all numbers
-    std::optional<Placement<int>> placed_;  ///< kind of the matrix, without its numbers
+    std::size_t matrix_begin_, count_;         ///< index of the first number of the matrix; count of all numbers
+    std::optional<Transform<int>> transform_;  ///< kind of the matrix, without its numbers
     [[nodiscard]] bool is_distance() const { return is_distance_; }
 
 private:
@@ -179,7 +180,7 @@ private:
     enum class UnitKind : std::uint8_t {
         length,         ///< lengths of the world, and those of a primitive without a matrix
         direction,      ///< components of the ray's direction
-        object_length,  ///< lengths of a primitive under a matrix
+        object_length,  ///< lengths of a transformed primitive
         linear_part,    ///< numbers of the matrix before its translation: unit of the result's lengths / the source's
         object_direction,  ///< directions of the primitive
     };
@@ -188,10 +189,10 @@ private:
     [[nodiscard]] UnitKind unit_kind(std::size_t i) const {
         if (i >= direction_begin && i < primitive_begin) return UnitKind::direction;
         if (i >= primitive_begin && i < matrix_begin_ && is_direction_[i]) return UnitKind::object_direction;
-        if (!placed_ || i < direction_begin) return UnitKind::length;
+        if (!transform_ || i < direction_begin) return UnitKind::length;
         if (i < matrix_begin_) return UnitKind::object_length;
         if (i < matrix_begin_ + linear_part_size) return UnitKind::linear_part;
-        return placed_->is_inverse ? UnitKind::object_length : UnitKind::length;
+        return transform_->is_inverse ? UnitKind::object_length : UnitKind::length;
     }
     [[nodiscard]] int& unit(UnitKind kind) { return units_[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] int unit(UnitKind kind) const { return units_[static_cast<std::size_t>(kind)]; }
@@ -206,7 +207,7 @@ private:
             int& exponent = unit(unit_kind(i));
             exponent = std::max(exponent, binary_exponent(exact_number(i)));
         }
-        if (placed_) {
+        if (transform_) {
             set_units_of_matrix();
             return;
         }
@@ -242,7 +243,7 @@ private:
     /// Sets the units of a matrix. A point x' of the primitive is at A x' + τ in the world, or the inverse holds, so
     /// the unit of A is the quotient of both units. If A is larger than this quotient, the unit of its result grows.
     void set_units_of_matrix() {
-        const bool is_inverse = placed_->is_inverse;
+        const bool is_inverse = transform_->is_inverse;
         int& result = unit(is_inverse ? UnitKind::object_length : UnitKind::length);
         int& source = unit(is_inverse ? UnitKind::length : UnitKind::object_length);
         int& linear = unit(UnitKind::linear_part);
@@ -258,7 +259,7 @@ private:
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
             act(primitive_begin + k, primitive_begin + k + key.count());
         });
-        if (!placed_) return;
+        if (!transform_) return;
         act(matrix_begin_, matrix_begin_ + linear_part_size);
         act(matrix_begin_ + linear_part_size, count_);
     }
@@ -282,10 +283,10 @@ class PerturbedProblem : public ProblemNumbers {
     template <class T, class Number>
     void fill_primitive(Primitive<T>& target, const Number& number) const {
         for (std::size_t i = primitive_begin; i < matrix_begin_; ++i) target.numbers[i - primitive_begin] = number(i);
-        if (!placed_) return;
-        target.placed = transformed(*placed_, [](int) { return T(0); });
+        if (!transform_) return;
+        target.transform = convert_numbers(*transform_, [](int) { return T(0); });
         for (std::size_t i = matrix_begin_; i < count_; ++i)
-            target.placed->matrix[place_in_matrix(i - matrix_begin_)] = number(i);
+            target.transform->matrix[place_in_matrix(i - matrix_begin_)] = number(i);
     }
 
 public:

@@ -49,11 +49,11 @@ public:
     void find() {
         if (problems_.index) return find_pairs([](std::size_t) { return true; });
         open_.assign(count_, 0);
-        if (problems_.paired) test_paired_primitives();
+        if (problems_.is_paired) test_paired_primitives();
         else
             for (std::size_t k = 0; k < problems_.primitives.size(); ++k) test_primitive(k);
         const auto open = static_cast<std::size_t>(std::ranges::count(open_, 1));
-        results_.counts.double_double += (count_ - open) * (problems_.paired ? 1 : problems_.primitives.size());
+        results_.counts.double_double += (count_ - open) * (problems_.is_paired ? 1 : problems_.primitives.size());
         if (open > 0) find_pairs([this](std::size_t i) { return open_[i] != 0; });
     }
 
@@ -75,30 +75,31 @@ private:
     void test_primitive(std::size_t primitive_index) {
         limit_.stop.check();
         const Primitive<S> primitive = problems_.primitives[primitive_index];
-        const Primitive<double> words = transformed(primitive, [](const S& x) { return nearest_double(x); });
-        const Primitive<double> low = transformed(primitive, [](const S& x) { return nearest_low_double(x); });
+        const Primitive<double> words = convert_numbers(primitive, [](const S& x) { return nearest_double(x); });
+        const Primitive<double> low = convert_numbers(primitive, [](const S& x) { return nearest_low_double(x); });
         ProblemColumns<double> columns = columns_for(primitive.shape);
         const auto set_columns = [](const Primitive<double>& from, auto& to) {
             for (std::size_t k = 0; k < from.shape_numbers().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
-            for (std::size_t k = max_shape_numbers; from.placed && k < max_primitive_numbers; ++k)
-                to[k] = std::span(&from.placed->matrix[k - max_shape_numbers], 1);
+            for (std::size_t k = max_shape_numbers; from.transform && k < max_primitive_numbers; ++k)
+                to[k] = std::span(&from.transform->matrix[k - max_shape_numbers], 1);
         };
         set_columns(words, columns.primitive);
-        columns.matrix = under_matrix(primitive);
+        columns.matrix = matrix_kind_of(primitive);
         if constexpr (two_words) set_columns(low, columns.primitive_low);
         test_columns(columns, primitive_index == 0,
                      [primitive_index](std::size_t) { return static_cast<std::int32_t>(primitive_index); });
     }
 
-    static stages::MatrixKind under_matrix(const Primitive<S>& primitive) {
-        return primitive.placed ? stages::MatrixKind{true, primitive.placed->is_inverse, primitive.placed->orientation}
-                                : stages::MatrixKind{};
+    static stages::MatrixKind matrix_kind_of(const Primitive<S>& primitive) {
+        return primitive.transform
+                   ? stages::MatrixKind{true, primitive.transform->is_inverse, primitive.transform->orientation}
+                   : stages::MatrixKind{};
     }
 
     /// Tests every ray against the primitive that it is paired with.
     void test_paired_primitives() {
         limit_.stop.check();
-        if (problems_.primitives[begin_].placed) {  // each primitive has a matrix of its own
+        if (problems_.primitives[begin_].transform) {  // each primitive has a matrix of its own
             std::ranges::fill(open_, 1);
             return;
         }
@@ -216,7 +217,7 @@ private:
             for (std::size_t candidate = k == 0 ? 0 : candidate_ends_[k - 1]; candidate < candidate_ends_[k];
                  ++candidate)
                 add_pair(i, candidates_[candidate]);
-        } else if (problems_.paired) {
+        } else if (problems_.is_paired) {
             add_pair(i, static_cast<std::uint32_t>(begin_ + i));
         } else {
             for (std::size_t primitive = 0; primitive < problems_.primitives.size(); ++primitive)
@@ -230,7 +231,7 @@ private:
 
         // All gathered problems of a shape have one kind of matrix, so another kind settles those before.
         stages::MatrixKind& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
-        if (const auto matrix_kind = under_matrix(primitive); !(matrix_kind == matrix)) {
+        if (const auto matrix_kind = matrix_kind_of(primitive); !(matrix_kind == matrix)) {
             settle(primitive.shape);
             matrix = matrix_kind;
         }
@@ -242,16 +243,16 @@ private:
         set_ray_columns(first_ray_column, rays_.words);
         const auto set_primitive_columns = [&](std::size_t first, const Primitive<double>& numbers) {
             target.set_numbers(first, numbers.numbers);
-            if (numbers.placed) target.set_numbers(first + max_shape_numbers, numbers.placed->matrix);
+            if (numbers.transform) target.set_numbers(first + max_shape_numbers, numbers.transform->matrix);
         };
         set_primitive_columns(first_primitive_column,
-                              transformed(primitive, [](const S& x) { return nearest_double(x); }));
+                              convert_numbers(primitive, [](const S& x) { return nearest_double(x); }));
         target.numbers[tmin_column][target.size] = rays_.tmin.empty() ? 0 : rays_.tmin[i];
         target.numbers[tmax_column][target.size] = rays_.tmax.empty() ? HUGE_VAL : rays_.tmax[i];
         if constexpr (two_words) {
             set_ray_columns(first_low_column, rays_.low);
             set_primitive_columns(first_low_column + 6,
-                                  transformed(primitive, [](const S& x) { return nearest_low_double(x); }));
+                                  convert_numbers(primitive, [](const S& x) { return nearest_low_double(x); }));
         }
 
         pair_indices(primitive.shape)[target.size++] = pairs_.size();
@@ -284,7 +285,7 @@ private:
     /// True if columns in two words with bounds were tried before and left all gathered pairs open.
     [[nodiscard]] bool columns_left_all_open() const {
         if (problems_.index) return false;
-        return problems_.paired ? !problems_.primitives[begin_].placed : problems_.primitives.size() == 1;
+        return problems_.is_paired ? !problems_.primitives[begin_].transform : problems_.primitives.size() == 1;
     }
     /// Settles the gathered pairs of one shape that are in `open_pairs`. Pairs that stay open remain there.
     void settle_gathered(Shape shape, std::vector<std::size_t>& open_pairs) {
@@ -300,7 +301,7 @@ private:
     /// Settles pairs in which a ray may touch its primitive or start on it, if the stages have such code for the shape.
     void settle_ties(Shape shape, std::vector<std::size_t>& open_pairs) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
-        const bool are_plain = !two_words && !has_ranges_ && !matrices_[static_cast<std::size_t>(shape)].placed;
+        const bool are_plain = !two_words && !has_ranges_ && !matrices_[static_cast<std::size_t>(shape)].exists;
         if (open_pairs.empty() || !stages.ties || !are_plain) return;
         GatheredProblems<double>& ties = GatheredProblems<double>::for_thread();
         stages.ties(ties.gather(gathered_problems(shape).columns(shape), open_pairs, stages.lanes));

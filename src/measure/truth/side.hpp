@@ -13,7 +13,7 @@ namespace lostbits::measure::truth {
 /// Result of `find.operator()<E>()` for E = Ball; if that is empty, for E = Interval, at precisions that double from
 /// 192 bits. The result is an optional, which is empty if no precision decides.
 template <class Find>
-auto by_rising_precision(const Find& find) {
+auto find_at_rising_precision(const Find& find) {
     auto found = find.template operator()<Ball>();
     for (int bits = 192; !found && bits <= ProofLimit{}.max_bits; bits *= 2) {
         const Interval::Precision precision(bits);

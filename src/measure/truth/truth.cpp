@@ -87,7 +87,7 @@ bool is_valid_ray(const Ray<S>& r) {
 template <class S>
 bool is_valid_primitive(const Primitive<S>& primitive) {
     return std::ranges::all_of(primitive.shape_numbers(), is_finite<S>) && !broken_limit(primitive) &&
-           (!primitive.placed || primitive.placed->is_proper());
+           (!primitive.transform || primitive.transform->is_proper());
 }
 
 /// Limit, convention and range by which the truth about one primitive is found.
@@ -178,7 +178,7 @@ double round_by_side(const Truth& truth, const Ray<S>& ray, const Primitive<S>& 
         if (*side != 0) return *side < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
     }
-    throw Error(Exit::internal, "no precision was enough to tell the side of a rounding boundary");
+    throw Error(ExitStatus::internal, "no precision was enough to tell the side of a rounding boundary");
 }
 
 }  // namespace

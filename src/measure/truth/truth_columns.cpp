@@ -26,10 +26,10 @@ Truth find_single_truth(const ProblemColumns<S>& p, const TruthOptions& options,
     Primitive<double> primitive;
     primitive.shape = p.shape;
     for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = number_in(p.primitive[k]);
-    if (p.matrix.placed) {
-        primitive.placed = Placement<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
+    if (p.matrix.exists) {
+        primitive.transform = Transform<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
         for (std::size_t k = max_shape_numbers; k < max_primitive_numbers; ++k)
-            primitive.placed->matrix[k - max_shape_numbers] = number_in(p.primitive[k]);
+            primitive.transform->matrix[k - max_shape_numbers] = number_in(p.primitive[k]);
     }
     return find_truth(
         {{number_in(r[0]), number_in(r[1]), number_in(r[2])}, {number_in(r[3]), number_in(r[4]), number_in(r[5])}},
@@ -61,7 +61,7 @@ public:
           out_(out),
           stages_(stages::stages_of(problems.shape, intersect::simd::current_isa())),
           in_place_(problems) {
-        const bool are_plain = !in_place_.has_ranges() && !problems.matrix.placed;
+        const bool are_plain = !in_place_.has_ranges() && !problems.matrix.exists;
         ties_ = are_plain && problems.ray_low[0].empty() ? stages_.ties : stages::ShapeStage<double>();
     }
 
@@ -121,7 +121,8 @@ private:
         const auto is_settled = [&](std::size_t i) {
             const auto& found = gathered.findings;
             return found.settled[i] != 0 &&
-                   !(stage == ties_ && matters(options_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
+                   !(stage == ties_ &&
+                     convention_matters(options_.convention, found.touches[i] != 0, found.on_surface[i] != 0));
         };
         for (std::size_t i = 0; i < indices.size(); ++i) {
             out_.decision[indices[i]] = static_cast<Truth::Decision>(gathered.findings.hit[i]);

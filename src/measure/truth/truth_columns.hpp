@@ -25,7 +25,7 @@ struct ProblemColumns {
     std::array<std::span<const S>, 6> ray;  ///< o.x o.y o.z d.x d.y d.z
     Shape shape{};                          ///< the shape of every primitive
     /// Numbers as in `Primitive::numbers`, empty beyond those of the shape; then the numbers of the matrix, if `matrix`
-    /// is placed.
+    /// is transformed.
     std::array<std::span<const S>, max_primitive_numbers> primitive;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open_ends = {};
@@ -38,12 +38,13 @@ struct ProblemColumns {
 
 /// True if the truth by a convention may differ from the truth for the closed primitive, because the ray touches it or
 /// starts on it.
-[[nodiscard]] constexpr bool matters(const intersect::Convention& convention, bool touches, bool on_surface) {
+[[nodiscard]] constexpr bool convention_matters(const intersect::Convention& convention, bool touches,
+                                                bool on_surface) {
     return (convention.touching == intersect::Touching::miss && touches) ||
            (convention.at_origin == intersect::AtOrigin::miss && on_surface);
 }
 
-/// Convention with only the properties that `matters` reads.
+/// Convention with only the properties that `convention_matters` reads.
 [[nodiscard]] constexpr intersect::Convention plain_part(const intersect::Convention& convention) {
     using intersect::AtOrigin;
     return {convention.touching, convention.at_origin == AtOrigin::miss ? AtOrigin::miss : AtOrigin::hit};
@@ -124,7 +125,7 @@ public:
     [[nodiscard]] Truth operator[](std::size_t i) const;
     /// True if the truth of ray i by `convention`, which is not special, may differ from the stored truth.
     [[nodiscard]] bool may_differ(std::size_t i, const intersect::Convention& convention) const {
-        return matters(convention, touches[i] != 0, on_surface[i] != 0);
+        return convention_matters(convention, touches[i] != 0, on_surface[i] != 0);
     }
     /// Stores a truth in the columns. Returns false if they cannot hold all of it.
     bool store(std::size_t i, const Truth& truth);
@@ -137,7 +138,7 @@ struct RaysAndPrimitives {
     const scene::rays::PrimitiveList<S>& primitives;
     /// Finds the primitives that a ray can meet; null: a ray can meet every primitive.
     const culling::PrimitiveIndex* index = nullptr;
-    bool paired = false;  ///< ray i can meet only primitive i; all primitives are of one shape
+    bool is_paired = false;  ///< ray i can meet only primitive i; all primitives are of one shape
 };
 
 /// Finds the truth of every ray among its primitives, in parallel: the same decisions, hi and lo as `find_truth`.

@@ -88,7 +88,7 @@ public:
         return combine(a.centre_ * b.centre_, a, b.centre_.first(), b, a.centre_.first(), rest);
     }
     friend AffineForm operator/(const AffineForm& a, const AffineForm& b) {
-        return computes_signs_only ? anything() : a * inverse(b);
+        return computes_signs_only ? all_reals() : a * inverse(b);
     }
     AffineForm& operator+=(const AffineForm& b) { return *this = *this + b; }
     AffineForm& operator-=(const AffineForm& b) { return *this = *this - b; }
@@ -96,9 +96,9 @@ public:
 
     friend AffineForm sqrt(const AffineForm& x) {
         if (x.is_constant() && x.centre_.first() == 0 && x.centre_error() == 0) return x;
-        if (computes_signs_only) return anything();
+        if (computes_signs_only) return all_reals();
         const double min_centre = x.min_centre(), deviation = x.deviation();
-        if (!(x.centre_.first() > 0 && min_centre > deviation)) return anything();
+        if (!(x.centre_.first() > 0 && min_centre > deviation)) return all_reals();
         const double slope = 0.5 / std::sqrt(x.centre_.first()), largest_slope = 0.5 / std::sqrt(min_centre);
         const double rest = largest_slope * (x.rest_ + deviation * deviation / min_centre) +
                             x.centre_error() / min_centre * slope * x.sum();
@@ -115,7 +115,7 @@ public:
     }
     /// The result is unknown if the mask is undecided.
     friend AffineForm select(Tri mask, const AffineForm& a, const AffineForm& b) {
-        return mask.is_yes() ? a : mask.is_no() ? b : anything();
+        return mask.is_yes() ? a : mask.is_no() ? b : all_reals();
     }
 
     friend Tri operator<(const AffineForm& a, const AffineForm& b) {
@@ -198,14 +198,14 @@ private:
     static constexpr double inflation = 1 + 0x1p-42;
     static constexpr double underflow_bound = 0x1p-500;  ///< above the square root of the loss of a square to underflow
 
-    static AffineForm anything() {
+    static AffineForm all_reals() {
         AffineForm x(0);
         x.rest_ = HUGE_VAL;
         return x;
     }
     static AffineForm inverse(const AffineForm& y) {
         const double min_centre = y.min_centre(), deviation = y.deviation();
-        if (!(min_centre > deviation)) return anything();
+        if (!(min_centre > deviation)) return all_reals();
         const double q = 1 / y.centre_.first(), largest_inverse = 1 / min_centre * inflation;
         const double rest = largest_inverse * largest_inverse *
                             (y.rest_ + deviation * deviation / (min_centre - deviation) * inflation);
@@ -215,7 +215,7 @@ private:
 
     [[nodiscard]] AffineForm squared() const {
         const double x = largest_centre(), d = deviation(), second_order = d * d / 2;
-        if (!(second_order < HUGE_VAL)) return anything();
+        if (!(second_order < HUGE_VAL)) return all_reals();
         const double rest = 2 * x * rest_ + second_order * inflation + 2 * centre_error() * sum();
         return combine(centre_ * centre_ + Centre(TwoWords<double>(second_order)), *this, 2 * centre_.first(),
                        AffineForm(0), 0, rest);

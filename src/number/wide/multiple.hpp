@@ -18,14 +18,14 @@ inline double binade(double x) {
 
 /// The unit and the size of a set of numbers: a power of two that divides them all, and their largest magnitude.
 template <class P>
-struct Grid {
+struct UnitAndSize {
     P unit, size;
 
     /// Fits a grid to numbers whose bits span at most `bits` (1 to 50), from the highest bit of the largest number to
     /// the lowest bit of any. If the numbers span more bits, or if one is not finite, the size is infinite. If all are
     /// 0, there is no unit.
     template <class... Ps>
-    static Grid of(int bits, const Ps&... numbers) {
+    static UnitAndSize of(int bits, const Ps&... numbers) {
         using lostbits::abs, lostbits::max, lostbits::select;
         P size(0);
         ((size = max(size, abs(numbers))), ...);
@@ -63,7 +63,7 @@ public:
     Multiple() = default;
     explicit Multiple(std::same_as<int> auto x) : w_(x), unit_(x == 0 ? 0x1p+100 : 1), size_(x < 0 ? -x : x) {}
     /// A number on the grid.
-    Multiple(const P& x, const Grid<P>& grid) : w_(x), unit_(grid.unit), size_(grid.size) {}
+    Multiple(const P& x, const UnitAndSize<P>& grid) : w_(x), unit_(grid.unit), size_(grid.size) {}
 
     /// The number, with bound 0 if it is known and infinity otherwise.
     [[nodiscard]] Running<TwoWords<P>> running() const {
@@ -80,9 +80,9 @@ public:
         return {ordered_sum<P>(s.hi, s.lo + (a.w_.lo + b.w_.lo)), unit, size};
     }
     friend Multiple operator-(const Multiple& a, const Multiple& b) { return a + -b; }
-    friend Multiple operator-(const Multiple& a) { return {Words<W>::negative(a.w_), a.unit_, a.size_}; }
+    friend Multiple operator-(const Multiple& a) { return {WordProperties<W>::negative(a.w_), a.unit_, a.size_}; }
     friend Multiple operator*(const Multiple& a, const Multiple& b) {
-        return {Words<W>::product(a.w_, b.w_), a.unit_ * b.unit_, size_of_product(a, b)};
+        return {WordProperties<W>::product(a.w_, b.w_), a.unit_ * b.unit_, size_of_product(a, b)};
     }
     friend Multiple sum_of_products(const Multiple& a, const Multiple& b, const Multiple& c, const Multiple& d,
                                     const Multiple& f, const Multiple& g) {

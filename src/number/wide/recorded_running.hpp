@@ -135,8 +135,8 @@ public:
     Running(const W& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const W& words() const { return w_; }
-    [[nodiscard]] const P& first() const { return Words<W>::first(w_); }
-    [[nodiscard]] P second() const { return Words<W>::second(w_); }
+    [[nodiscard]] const P& first() const { return WordProperties<W>::first(w_); }
+    [[nodiscard]] P second() const { return WordProperties<W>::second(w_); }
     [[nodiscard]] const P& bound() const { return e_; }
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
@@ -146,7 +146,7 @@ public:
     friend Running operator-(const Running& a, const Running& b) {
         return record_number(ColumnOperation::bounded_subtract, a, b);
     }
-    friend Running operator-(const Running& a) { return {Words<W>::negative(a.w_), a.e_}; }
+    friend Running operator-(const Running& a) { return {WordProperties<W>::negative(a.w_), a.e_}; }
     friend Running operator*(const Running& a, const Running& b) {
         return record_number(ColumnOperation::bounded_multiply, a, b);
     }
@@ -183,7 +183,7 @@ public:
     friend Running next_down(const Running& a) { return a; }
     friend Running abs(const Running& a) {
         const Lanes is_negative = a.first() < P(0);
-        return {select(is_negative, Words<W>::negative(a.w_), a.w_), a.e_};
+        return {select(is_negative, WordProperties<W>::negative(a.w_), a.w_), a.e_};
     }
     friend Running copysign(const Running& a, const Running& b) {
         const Running x = abs(a), zero(0);

@@ -39,7 +39,7 @@ bool is_unset(const M& mask) {
 
 /// Properties of the words that `Running` needs. W is P, double or a pack of doubles, or `TwoWords<P>`.
 template <class W>
-struct Words {
+struct WordProperties {
     using Word = W;
     static constexpr double error = 0x1p-53;
     static const W& first(const W& w) { return w; }
@@ -51,7 +51,7 @@ struct Words {
 /// A sum of numbers of one word is normalised after one step: if the first words cancel, the remainder is a multiple of
 /// half an ulp of the larger one, and no second word exceeds that.
 template <class P>
-struct Words<TwoWords<P>> {
+struct WordProperties<TwoWords<P>> {
     using Word = P;
     using W = TwoWords<P>;
     static constexpr double error = word_error;
@@ -109,7 +109,7 @@ private:
 template <class W>
 class Running {
 public:
-    using P = typename Words<W>::Word;
+    using P = typename WordProperties<W>::Word;
     using Lanes = mask_t<P>;
     static constexpr int longest_chain = 2047;
     static_assert(longest_chain * 0x1p-52 + (longest_chain * 0x1p-52) * (longest_chain * 0x1p-52) < 0x1p-41);
@@ -120,8 +120,8 @@ public:
     Running(const W& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const W& words() const { return w_; }
-    [[nodiscard]] const P& first() const { return Words<W>::first(w_); }
-    [[nodiscard]] P second() const { return Words<W>::second(w_); }
+    [[nodiscard]] const P& first() const { return WordProperties<W>::first(w_); }
+    [[nodiscard]] P second() const { return WordProperties<W>::second(w_); }
     [[nodiscard]] const P& bound() const { return e_; }
     /// Upper bound on the distance of x from the words.
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
@@ -212,12 +212,12 @@ public:
     }
 
 private:
-    using Traits = Words<W>;
-    static constexpr double underflow_loss = 0x1p-1000, error = Words<W>::error;
+    using Traits = WordProperties<W>;
+    static constexpr double underflow_loss = 0x1p-1000, error = WordProperties<W>::error;
 
     static P magnitude_of(const W& w) {
         using lostbits::abs;
-        return abs(Words<W>::first(w));
+        return abs(WordProperties<W>::first(w));
     }
     [[nodiscard]] P magnitude() const { return magnitude_of(w_); }
     static Running with_rounding_error(const W& w, const P& propagated_error) {

@@ -191,10 +191,11 @@ std::string contributions_text(const Explanation& explanation, const OperationVi
 
 /// Sentence for a ray without a subject: rounding changed no decision, or no comparison shows why it changed one.
 std::string no_subject_sentence(const Explanation& explanation) {
-    const bool exact_hit = explanation.attribution.exact_hit;
-    if (explanation.hit == exact_hit) return "Rounding changed no decision of the form, so no operation is to blame.";
+    const bool is_exact_hit = explanation.attribution.is_exact_hit;
+    if (explanation.hit == is_exact_hit)
+        return "Rounding changed no decision of the form, so no operation is to blame.";
     return fmt::format("No single operation is to blame: without rounding the form {}, and no comparison shows why.",
-                       exact_hit ? "hits" : "misses");
+                       is_exact_hit ? "hits" : "misses");
 }
 
 /// Sentence on a culprit whose value is infinite or NaN.

@@ -19,7 +19,7 @@ class CProgramWriter {
 public:
     explicit CProgramWriter(const Explanation& explanation)
         : explanation_(explanation),
-          text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::plain),
+          text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::TextStyle::plain),
           slice_(explanation.tape, {explanation.tape.outputs.t, explanation.tape.outputs.hit}),
           computes_in_double_(explanation.format.is_emulated()) {
         needs_remainders_ = computes_in_double_ && explanation.format.parameters.precision > 25;

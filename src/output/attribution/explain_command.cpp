@@ -22,9 +22,9 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     for (const Primitive<double>& primitive : group->primitives) {
         text += fmt::format("--{}={}", lostbits::name_of(primitive.shape),
                             file::number_list(primitive.shape_numbers(), file::hex, ","));
-        if (const auto& placed = primitive.placed)
-            text +=
-                fmt::format("@{}{}", placed->is_inverse ? "/" : "", file::number_list(placed->matrix, file::hex, ","));
+        if (const auto& transform = primitive.transform)
+            text += fmt::format("@{}{}", transform->is_inverse ? "/" : "",
+                                file::number_list(transform->matrix, file::hex, ","));
         text += ' ';
     }
 
@@ -42,7 +42,7 @@ std::string explain_ray_arguments(const scene::rays::RayGroup* group) {
     // The constants of a march, in the order of their names.
     if (!group->march) return text;
     std::size_t constant_index = 0;
-    transformed(*group->march, [&](double x) {
+    convert_numbers(*group->march, [&](double x) {
         text += fmt::format(" --set march.{}={}", intersect::march_number_names[constant_index++], file::hex(x));
         return x;
     });

@@ -38,7 +38,7 @@ class FpCoreWriter {
 public:
     explicit FpCoreWriter(const Explanation& explanation)
         : explanation_(explanation),
-          text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::plain),
+          text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::TextStyle::plain),
           slice_(explanation.tape, {explanation.tape.outputs.t}) {}
 
     std::string source() {

@@ -76,7 +76,7 @@ void add_inputs(Json& json, const Explanation& explanation) {
     for (std::size_t i = 0; i < explanation.input_values.size(); ++i)
         json["inputs"][explanation.input_names[i]] = exact_number(explanation.input_values[i]);
     json["open_ends"] = std::string(name_of(explanation.range.open_ends));
-    json["inputs_rounded"] = explanation.rounded_inputs;
+    json["inputs_rounded"] = explanation.has_rounded_inputs;
 
     const auto& direction = explanation.given_direction;
     json["given_direction"] =
@@ -129,7 +129,7 @@ Json attribution_json(const Explanation& explanation, const TapeText& text) {
         return attribution.subject == no_node ? Json(nullptr) : json_number(v);
     };
     return {{"subject", node_or_null(text, attribution.subject)},
-            {"exact_hit", attribution.exact_hit},
+            {"exact_hit", attribution.is_exact_hit},
             {"cut_short", attribution.loop_was_cut_short},
             {"error", of_subject(attribution.error)},
             {"explained", of_subject(attribution.contribution_sum)},
@@ -141,7 +141,7 @@ Json attribution_json(const Explanation& explanation, const TapeText& text) {
 }  // namespace
 
 std::string explain_json(const Explanation& explanation, const std::optional<MarchEnd>& march) {
-    const TapeText text(explanation.tape, explanation.input_names, TapeText::Style::plain);
+    const TapeText text(explanation.tape, explanation.input_names, TapeText::TextStyle::plain);
     Json json{{"schema", "lostbits-explanation/1"},
               {"form", std::string(explanation.form->info->name)},
               {"format", explanation.format.name},

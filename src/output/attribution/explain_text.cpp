@@ -231,14 +231,14 @@ std::string model_text(const Explanation& explanation, const OperationView& view
 
     const bool truly_hits = explanation.truth == measure::truth::Truth::Decision::hit;
     if (explanation.truth == measure::truth::Truth::Decision::unresolved ||
-        explanation.attribution.exact_hit == truly_hits)
+        explanation.attribution.is_exact_hit == truly_hits)
         return "";
     return fmt::format(
                "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth "
                "because "
                "of what it assumes{}.\n",
-               explanation.attribution.exact_hit ? "hits" : "misses",
-               explanation.rounded_inputs ? ", or because the inputs were rounded" : "") +
+               explanation.attribution.is_exact_hit ? "hits" : "misses",
+               explanation.has_rounded_inputs ? ", or because the inputs were rounded" : "") +
            deciding_comparisons_text(explanation, view);
 }
 
@@ -320,10 +320,10 @@ namespace {
 
 /// Phrase for what the envelope perturbs: the numbers of the problem as it is stored, before any step of the form.
 std::string perturbation_phrase(const Explanation& explanation) {
-    const bool is_placed = explanation.form->form_for(explanation.shape).is_placed;
+    const bool has_transform_method = explanation.form->form_for(explanation.shape).has_transform_method;
     if (explanation.is_generated_ray) return "half an ulp in each number of the ideal ray and of the primitive";
-    return is_placed ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
-                     : "half an ulp in each input";
+    return has_transform_method ? "half an ulp in each number of ray, primitive and matrix as the world stores them"
+                                : "half an ulp in each input";
 }
 
 std::string condition_phrase(double condition) {
@@ -340,20 +340,20 @@ bool does_another_form_better(const Explanation& explanation) {
 
 /// Text for a loss within the envelope. The envelope does not bound other forms on the same exact numbers.
 std::string within_envelope_text(const Explanation& explanation) {
-    const bool is_placed = explanation.form->form_for(explanation.shape).is_placed;
-    const char* const losing_part = is_placed                      ? "transform and form lose"
+    const bool has_transform_method = explanation.form->form_for(explanation.shape).has_transform_method;
+    const char* const losing_part = has_transform_method           ? "transform and form lose"
                                     : explanation.is_generated_ray ? "making the ray and the form lose"
                                                                    : "the formula loses";
     const char* const others_hint = does_another_form_better(explanation) ? " Other forms do better (see below)." : "";
-    if (explanation.rounded_inputs && !explanation.is_generated_ray)
+    if (explanation.has_rounded_inputs && !explanation.is_generated_ray)
         return "; input rounding alone explains this loss.";
     if (explanation.is_generated_ray || explanation.form->info->direction == intersect::Direction::unit ||
         !rounding_explains(explanation))
         return fmt::format("; {} no more than that.{}", losing_part, others_hint);
     return fmt::format(
         "; {} is ill-conditioned in {}, and {} no more. The inputs are exact: wider arithmetic on them helps.{}",
-        is_placed ? "as the world stores it the problem" : "the problem", explanation.format.name, losing_part,
-        others_hint);
+        has_transform_method ? "as the world stores it the problem" : "the problem", explanation.format.name,
+        losing_part, others_hint);
 }
 
 }  // namespace
@@ -402,7 +402,7 @@ std::string subject_notes(const Explanation& explanation) {
 /// Sentences on inputs that the form does not get as they were given.
 std::string input_notes(const Explanation& explanation) {
     std::string text;
-    if (explanation.rounded_inputs)
+    if (explanation.has_rounded_inputs)
         text += fmt::format(
             "{} cannot represent all of these numbers and gets them rounded, as below. The true t is the one for the "
             "numbers as given, so the error includes the rounding of the inputs (input error).\n",
@@ -433,7 +433,7 @@ std::string table_legend(const Explanation& explanation) {
 std::string explain_text(const Explanation& explanation, bool show_all, const std::optional<MarchEnd>& march) {
     std::string text = fmt::format("{} in {}: {}\n\n", explanation.form->info->name, explanation.format.name,
                                    explanation.form->info->title);
-    text += make_verdict(explanation, march).text() + better_sentences(explanation) + "\n";
+    text += make_verdict(explanation, march).text() + better_forms_text(explanation) + "\n";
 
     // The source line is also quoted for an operation that is not to blame if its result is not finite, because the
     // errors after it follow from that.

@@ -39,7 +39,7 @@ struct ExplainedVerdict {
 ExplainedVerdict make_verdict(const Explanation& explanation, const std::optional<MarchEnd>& march);
 
 /// Forms that do better on the ray and around it, one sentence per line.
-std::string better_sentences(const Explanation& explanation);
+std::string better_forms_text(const Explanation& explanation);
 
 /// The verdict, the forms that do better, the inputs, the samples of a march, and the table of operations with the
 /// culprit marked. With `show_all` the table has every operation. Without, it has the operations that the answer is

@@ -62,7 +62,7 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
 
 OperationView::OperationView(const Explanation& explanation)
     : explanation_(explanation),
-      text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::Style::pretty),
+      text_(explanation.tape, explanation.input_names, measure::attribution::TapeText::TextStyle::pretty),
       ulp_(explanation.ulp_of_subject()),
       on_path_(nodes_on_path(explanation)) {
     for (NodeId i = 0; i < explanation.tape.size(); ++i) {

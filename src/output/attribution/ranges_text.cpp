@@ -61,7 +61,7 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
 }
 
 std::string operations_block(const RangesBound& bound) {
-    const TapeText tape_text(bound.tape, bound.names, TapeText::Style::pretty);
+    const TapeText tape_text(bound.tape, bound.names, TapeText::TextStyle::pretty);
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
     const auto nodes = nodes_by_contribution(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
@@ -127,7 +127,7 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
         quantiles.push_back({{"share", fraction}, {"error", json_number(error)}, {"ulps", json_number(ulps)}});
 
     Json operations = Json::array();
-    const TapeText tape_text(bound.tape, bound.names, TapeText::Style::plain);
+    const TapeText tape_text(bound.tape, bound.names, TapeText::TextStyle::plain);
     for (const NodeId i : nodes_by_contribution(bound))
         operations.push_back({{"name", tape_text.name(i)},
                               {"expression", tape_text.expression(i)},

@@ -181,7 +181,7 @@ std::string turned_order_sentence(const Explanation& explanation) {
         fmt::format("Rounding changed which primitive comes first: without it primitive {} {}, and primitive {} {}.",
                     explanation.missed_primitive->index, exact_result(true, explanation.missed_primitive->exact_t),
                     explanation.primitive_index,
-                    exact_result(attribution.exact_hit, attribution[explanation.tape.outputs.t].exact));
+                    exact_result(attribution.is_exact_hit, attribution[explanation.tape.outputs.t].exact));
     return order_sentence +
            (culprit_operation(explanation) == no_node
                 ? fmt::format(" The larger error is that of primitive {}, which the command above explains.",
@@ -191,7 +191,7 @@ std::string turned_order_sentence(const Explanation& explanation) {
 
 /// Sentence for a loss of a bit or more of which rounding causes only a small part.
 std::string other_cause_sentence(const Explanation& explanation, bool is_march) {
-    const bool has_lossy_inputs = explanation.rounded_inputs && !(explanation.excess_bits >= min_notable_bits);
+    const bool has_lossy_inputs = explanation.has_rounded_inputs && !(explanation.excess_bits >= min_notable_bits);
     const char* const other_cause = explanation.missed_primitive ? "the answer is for another primitive"
                                     : has_lossy_inputs ? "the rest comes from inputs that the format cannot hold"
                                     : is_march         ? "the rest comes from where the march ended"
@@ -207,12 +207,12 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
     const measure::attribution::Attribution& attribution = explanation.attribution;
     const bool agrees_on_hit = explanation.result.outcome == Outcome::agree_hit,
                is_right = explanation.result.is_right();
-    const bool decision_changed = explanation.hit != attribution.exact_hit && !attribution.loop_was_cut_short;
+    const bool decision_changed = explanation.hit != attribution.is_exact_hit && !attribution.loop_was_cut_short;
 
     // The decision is right.
     if (is_right && decision_changed)
         return fmt::format("No operation is to blame: the decision is right. Without rounding the form would {}.",
-                           attribution.exact_hit ? "hit" : "miss");
+                           attribution.is_exact_hit ? "hit" : "miss");
     if (!explanation.returns_t() && is_right) return "No operation is to blame: the decision is right.";
 
     // No operation contributes, or the value of the culprit is NaN.
@@ -221,7 +221,7 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
         return culprit_sentence(explanation);
 
     // Rounding is not known to have made the decision wrong.
-    if (explanation.hit != attribution.exact_hit && attribution.loop_was_cut_short)
+    if (explanation.hit != attribution.is_exact_hit && attribution.loop_was_cut_short)
         return "No single operation is to blame: without rounding the march would have gone on.";
     if (!agrees_on_hit && decision_changed) return "The true answer is not proved, so no operation is to blame.";
     if (!agrees_on_hit) return "The decision is the same without rounding, so no operation is to blame.";
@@ -304,7 +304,7 @@ std::string neighbourhood_phrase(const Explanation& explanation) {
 
 }  // namespace
 
-std::string better_sentences(const Explanation& explanation) {
+std::string better_forms_text(const Explanation& explanation) {
     // Lists the best forms, and in any case those that the user asked for.
     std::string list;
     constexpr std::size_t max_forms = 6;
@@ -357,7 +357,7 @@ bool is_wrong_root(const Explanation& explanation) {
     const Primitive<double> primitive(explanation.shape);
     const std::size_t range_input_count = explanation.range.is_whole() ? 1 : 2;
     if (explanation.input_values.size() != 6 + primitive.shape_numbers().size() + range_input_count)
-        return false;  // under a matrix
+        return false;  // with a transform
     return measure::stability::is_wrong_root(measure::tape::ray_of(explanation.input_values),
                                              measure::tape::primitive_of(explanation.input_values, primitive),
                                              measure::truth::as_certified(*explanation.true_t), explanation.result.t);
@@ -381,7 +381,7 @@ NodeId culprit_operation(const Explanation& explanation) {
     if (is_about_decision) is_blamed = !explanation.result.is_right();
     else if (outcome == Outcome::agree_hit)
         is_blamed = lost_a_bit && (is_not_finite || !rounding_costs_little(explanation));
-    else if (outcome == Outcome::wrong_primitive && explanation.rounding_changed_order() && attribution.exact_hit)
+    else if (outcome == Outcome::wrong_primitive && explanation.rounding_changed_order() && attribution.is_exact_hit)
         is_blamed = std::fabs(attribution.error) >=
                     std::fabs(explanation.missed_primitive->hit
                                   ? explanation.missed_primitive->t - explanation.missed_primitive->exact_t

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "output/image/heatmap.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/pixel/look.hpp"
 
 namespace lostbits::output::choose {
@@ -151,7 +151,7 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
     image::HeatmapWriter picture(path, spec);
 
     // Each row has the left picture, a gap in the colour of the page, and the right picture.
-    std::vector<Rgb8> row(static_cast<std::size_t>(spec.width), image::style::page);
+    std::vector<Rgb8> row(static_cast<std::size_t>(spec.width), image::style::background);
     for (int y = 0; y < requirement_map.height; ++y) {
         for (int x = 0; x < requirement_map.width; ++x) {
             const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(requirement_map.width) +

@@ -7,7 +7,7 @@
 
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::consistency {
@@ -21,8 +21,8 @@ using measure::consistency::ConsistencyBand;
 using measure::consistency::ConsistencyStudy;
 using measure::consistency::PixelCheckResults;
 using pixel::colour_of;
+using pixel::DrawnColumn;
 using pixel::fraction_text;
-using pixel::PixelColumn;
 using pixel::PixelValue;
 using table::Table;
 
@@ -52,42 +52,43 @@ pixel::Look check_look(const Check& check) {
 
 /// Note below a cell of the sheet: how often the two answers differ, and by how much.
 std::string summary_note(const Check& check, const CheckSummary& s) {
-    if (s.asked() == 0) return "not asked";
+    if (s.question_count() == 0) return "not asked";
     // An end at the hit may count or not, by convention: an answer of yes everywhere is not a difference.
     if (check.measure == measure::consistency::check_end) {
         const auto yes_count = s.count_of(CheckResult::second_alone);
-        return yes_count == 0           ? "always no"
-               : yes_count == s.asked() ? "always yes"
-                                        : fraction_text(yes_count, s.asked()) + " yes";
+        return yes_count == 0                    ? "always no"
+               : yes_count == s.question_count() ? "always yes"
+                                                 : fraction_text(yes_count, s.question_count()) + " yes";
     }
 
     const char* const agreement = s.excess.count() > 0 ? "decisions alike" : "all alike";
-    std::string note = s.decisions() == 0 ? agreement : fraction_text(s.decisions(), s.asked()) + " differ";
+    std::string note = s.decisions() == 0 ? agreement : fraction_text(s.decisions(), s.question_count()) + " differ";
     if (const auto input_count = s.count_of(CheckResult::by_inputs); input_count > 0 && !check.compares_numbers)
-        note += fmt::format("\n{} by inputs", fraction_text(input_count, s.asked()));
+        note += fmt::format("\n{} by inputs", fraction_text(input_count, s.question_count()));
 
     if (s.excess.count() > 0)
         note += fmt::format("\np99 {}, max {} ulps", file::short_decimal(s.excess.quantile(0.99), 3),
                             file::short_decimal(s.excess.quantile(1), 3));
     else if (s.count_of(CheckResult::other_number) > 0)
-        note += fmt::format("\n{} other bits", fraction_text(s.count_of(CheckResult::other_number), s.asked()));
+        note +=
+            fmt::format("\n{} other bits", fraction_text(s.count_of(CheckResult::other_number), s.question_count()));
     return note;
 }
 
 }  // namespace
 
-std::string ConsistencyPresentation::row_name(const ConsistencyStudy& study, std::size_t form_index) {
-    return map::row_name(study.tested_forms[form_index]);
+std::string ConsistencyPresentation::file_stem(const ConsistencyStudy& study, std::size_t form_index) {
+    return map::tested_form_name(study.tested_forms[form_index]);
 }
 
-std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const ConsistencyStudy& study) {
-    std::vector<PixelColumn<ConsistencyBand>> columns;
+std::vector<DrawnColumn<ConsistencyBand>> ConsistencyPresentation::columns(const ConsistencyStudy& study) {
+    std::vector<DrawnColumn<ConsistencyBand>> columns;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
         for (std::size_t c = 0; c < study.checks.size(); ++c) {
             const Check& check = *study.checks[c];
             const auto& tested_form = study.tested_forms[r];
             pixel::ColumnSpec spec{
-                .file = fmt::format("{}.{}.png", row_name(study, r), check.name),
+                .file = fmt::format("{}.{}.png", file_stem(study, r), check.name),
                 .title = fmt::format("{}: {}", check.name, check.title),
                 .subtitle = {fmt::format("{} in {}", tested_form.form->info->name, tested_form.format.name)},
                 .look = std::make_shared<const pixel::Look>(check_look(check)),
@@ -111,7 +112,7 @@ std::vector<PixelColumn<ConsistencyBand>> ConsistencyPresentation::columns(const
     return columns;
 }
 
-pixel::Sheet ConsistencyPresentation::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
+pixel::SheetFile ConsistencyPresentation::sheet(const ConsistencyStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format(

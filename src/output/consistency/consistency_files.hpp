@@ -29,10 +29,10 @@ struct ConsistencyPresentation {
 
     static table::Table<CheckRow> summary_table();
     static std::vector<CheckRow> summary_rows(const Study& study, const std::vector<FormChecks>& rows);
-    static std::string row_name(const Study& study, std::size_t form_index);
+    static std::string file_stem(const Study& study, std::size_t form_index);
     static std::size_t pixels(const Band& band) { return band.checks.front().results.size(); }
-    static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
-    static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
+    static std::vector<pixel::DrawnColumn<Band>> columns(const Study& study);
+    static pixel::SheetFile sheet(const Study& study, const std::filesystem::path& file);
     static std::vector<study::Note> notes(const Study& study, const std::vector<FormChecks>& rows);
     static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
 };

@@ -70,7 +70,7 @@ struct Comparison {
     std::vector<ColumnDifference> columns;
     std::vector<std::string> names;  ///< every column or channel of either side, ignored ones too
 
-    [[nodiscard]] bool same() const { return count == 0; }
+    [[nodiscard]] bool is_same() const { return count == 0; }
 };
 
 /// Compares two tables cell by cell: columns by name, and rows by their `id` if both tables have one for each row,

@@ -64,7 +64,7 @@ struct RowChanges {
     std::vector<std::string> names;  ///< every column of either side
     RowVerdict verdict;
 
-    [[nodiscard]] bool same() const { return count == 0 && only_a.empty() && only_b.empty() && columns.empty(); }
+    [[nodiscard]] bool is_same() const { return count == 0 && only_a.empty() && only_b.empty() && columns.empty(); }
     /// Adds the changes between two other tables.
     void add(RowChanges other);
     void sort();

@@ -18,7 +18,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
 #include "scene/toml/files_of_run.hpp"
@@ -147,7 +147,7 @@ AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(path), final_p
             if (fd_ < 0) refuse(path, "cannot open", errno);
             return;
         }
-        scene::toml::note_written(final_path_);
+        scene::toml::reserve_for_writing(final_path_);
         // A rename would replace a file that its owner made read-only.
         if (::access(final_path_.c_str(), W_OK) != 0) refuse(path, "cannot overwrite", errno);
     }

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 
 namespace lostbits::output::file {
 namespace {
@@ -111,7 +111,7 @@ void Progress::erase() {
     drawn_length_ = 0;
 }
 
-void Progress::say(std::string_view message) {
+void Progress::print_line(std::string_view message) {
     const std::lock_guard lock(mutex_);
     const bool was_drawn = drawn_length_ > 0;
     erase();
@@ -155,7 +155,7 @@ void Estimate::advance(std::uint64_t n) {
     if (first_.units == 0) first_ = now_;
     // One estimate is enough: a run that is short after its first part stays short.
     if (now_.seconds - first_.seconds < estimate_window_s || is_announced_.exchange(true)) return;
-    if (const auto text = estimate_text(name_, first_, now_, total_, starts_)) progress_.say(*text);
+    if (const auto text = estimate_text(name_, first_, now_, total_, starts_)) progress_.print_line(*text);
 }
 
 }  // namespace lostbits::output::file

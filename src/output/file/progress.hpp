@@ -29,7 +29,7 @@ public:
     void advance(std::uint64_t n = 1) noexcept;
 
     /// Prints a message on a line of its own on stderr, above the bar.
-    void say(std::string_view message);
+    void print_line(std::string_view message);
 
     /// Erases the bar and calls `print`, so that the printed lines do not mix with the bar. The next `advance` draws
     /// the bar again.

@@ -183,7 +183,7 @@ CsvTable parse_csv(std::string text, const std::string& file_name) {
 }
 
 CsvTable read_csv(const std::filesystem::path& path) {
-    scene::toml::note_read(path);
+    scene::toml::reserve_for_reading(path);
     return parse_csv(read_file(path), path.string());
 }
 

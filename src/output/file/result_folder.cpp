@@ -129,7 +129,7 @@ ResultFolder::ResultFolder(fs::path folder, Provenance provenance, Rules rules)
     if (!rules_.continues_run) require_removable_results();
     if (!rules_.allows_unlisted && !rules_.is_shared) require_no_unlisted_results();
     if (!rules_.continues_run) {
-        for (const std::string& name : earlier_files_) scene::toml::note_written(folder_ / name);
+        for (const std::string& name : earlier_files_) scene::toml::reserve_for_writing(folder_ / name);
     }
 
     lock_folder(folder);

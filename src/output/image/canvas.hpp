@@ -16,7 +16,7 @@ namespace lostbits::output::image {
 
 /// Look of every picture: dark ink on a light page.
 namespace style {
-inline constexpr Rgb8 page{250, 250, 248};
+inline constexpr Rgb8 background{250, 250, 248};
 inline constexpr Rgb8 ink{32, 32, 36};
 inline constexpr Rgb8 soft_ink{96, 96, 104};
 inline constexpr Rgb8 line{176, 176, 180};
@@ -75,7 +75,7 @@ struct CanvasMark {
 /// outside is cut off.
 class Canvas {
 public:
-    Canvas(int width, int height, Rgb8 background = style::page);
+    Canvas(int width, int height, Rgb8 background = style::background);
 
     [[nodiscard]] int width() const noexcept { return width_; }
     [[nodiscard]] int height() const noexcept { return height_; }

@@ -119,24 +119,24 @@ void ContactSheet::set_note(std::size_t form, std::size_t format, std::string no
     cell(form, format).note = std::move(note);
 }
 
-void ContactSheet::draw_cell(Canvas& page, int x, int y, const Cell& cell) const {
-    page.frame(x + 1, y + 1, thumb_width_, thumb_height_, style::line);
+void ContactSheet::draw_cell(Canvas& canvas, int x, int y, const Cell& cell) const {
+    canvas.frame(x + 1, y + 1, thumb_width_, thumb_height_, style::line);
     if (cell.thumbnail && cell.thumbnail->is_complete()) {
-        page.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
-        if (cell.zoom && !cell.samples.empty()) draw_zoom(page, x + 1, y + 1, cell);
+        canvas.field({x + 1, y + 1, thumb_width_, thumb_height_}, thumb_width_, cell.thumbnail->pixels());
+        if (cell.zoom && !cell.samples.empty()) draw_zoom(canvas, x + 1, y + 1, cell);
     } else {
         const auto text = fit_text("not in this format", style::small_size, FontWeight::regular, thumb_width_ - 4);
-        page.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
-                  style::soft_ink);
+        canvas.text(x + 1 + (thumb_width_ - text.width) / 2, y + 1 + (thumb_height_ - text.height) / 2, text,
+                    style::soft_ink);
     }
 
     const auto lines = wrapped_note(cell.note);
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        page.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
+        canvas.text(x, y + thumb_height_ + 5 + static_cast<int>(i) * note_line, lines[i], style::soft_ink);
     }
 }
 
-void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const {
+void ContactSheet::draw_zoom(Canvas& canvas, int x, int y, const Cell& cell) const {
     const auto window = [](int middle, int side) {
         const int length = std::min(2 * zoom_radius + 1, side);
         return std::pair(std::clamp(middle - zoom_radius, 0, side - length), length);
@@ -150,9 +150,9 @@ void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const
     }
 
     // A light line inside a dark one is visible on every colour.
-    const auto draw_box = [&page](int x0, int y0, int width, int height) {
-        page.frame(x0 - 1, y0 - 1, width + 2, height + 2, style::ink);
-        page.frame(x0, y0, width, height, style::page);
+    const auto draw_box = [&canvas](int x0, int y0, int width, int height) {
+        canvas.frame(x0 - 1, y0 - 1, width + 2, height + 2, style::ink);
+        canvas.frame(x0, y0, width, height, style::background);
     };
 
     // Marks the samples in the thumbnail, and shows them enlarged in the corner farthest from there.
@@ -168,7 +168,7 @@ void ContactSheet::draw_zoom(Canvas& page, int x, int y, const Cell& cell) const
     const PixelBox inset{x + (from_x + to_x < thumb_width_ ? thumb_width_ - width - 2 : 2),
                          y + (from_y + to_y < thumb_height_ ? thumb_height_ - height - 2 : 2), width, height};
     draw_box(inset.x, inset.y, width, height);
-    page.field(inset, columns, std::move(samples));
+    canvas.field(inset, columns, std::move(samples));
 }
 
 std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const {
@@ -195,7 +195,7 @@ std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const 
     return lines;
 }
 
-int ContactSheet::page_height(std::size_t columns, const Legend& legend) const {
+int ContactSheet::canvas_height(std::size_t columns, const Legend& legend) const {
     const int blocks = (static_cast<int>(columns) + columns_ - 1) / columns_,
               grid = blocks * (block_height_ + block_gap) - block_gap,
               bar = bars_.size() == 1 ? bars_.front().height() : 0;
@@ -279,44 +279,44 @@ void ContactSheet::move_most_different_first(std::vector<FormGroup>& columns) co
 }
 
 /// Draws a line above each part of the sheet that says which forms the part has.
-void ContactSheet::draw_parts(Canvas& page, std::size_t columns) const {
+void ContactSheet::draw_parts(Canvas& canvas, std::size_t columns) const {
     const std::array<std::string, 2> lines{
         "The six that differ most, from the best to the worst:",
         fmt::format("{}, from the best to the worst:", columns == first_block_forms + 1
                                                            ? "One more"
                                                            : fmt::format("The other {}", columns - first_block_forms))};
     for (int part = 0; part < 2; ++part)
-        page.text(style::margin, block_y(part) - part_line,
-                  image_backend().render_text(lines[static_cast<std::size_t>(part)], style::text_size),
-                  style::soft_ink);
+        canvas.text(style::margin, block_y(part) - part_line,
+                    image_backend().render_text(lines[static_cast<std::size_t>(part)], style::text_size),
+                    style::soft_ink);
 }
 
 /// Draws one bar beside the first block, or a bar beside each line of every block, as high as its thumbnails.
-void ContactSheet::draw_bars(Canvas& page, std::size_t columns) const {
+void ContactSheet::draw_bars(Canvas& canvas, std::size_t columns) const {
     const int x = style::margin + grid_width_ + style::gap;
-    if (bars_.size() == 1) return page.draw_canvas(x, block_y(0), bars_.front());
+    if (bars_.size() == 1) return canvas.draw_canvas(x, block_y(0), bars_.front());
     for (std::size_t line = 0; line < bars_.size(); ++line) {
         const int y = column_head_height_ - bar_label_height + static_cast<int>(line) * row_height_;
         for (std::size_t column = 0; column < columns; column += static_cast<std::size_t>(columns_))
-            page.draw_canvas(x, block_y(static_cast<int>(column) / columns_) + y, bars_[line]);
+            canvas.draw_canvas(x, block_y(static_cast<int>(column) / columns_) + y, bars_[line]);
     }
 }
 
 /// Draws the names of the forms and their cells.
-void ContactSheet::draw_column(Canvas& page, int x, int y, const FormGroup& forms) {
+void ContactSheet::draw_column(Canvas& canvas, int x, int y, const FormGroup& forms) {
     const auto names = name_lines(spec_.forms[forms.front()], cell_width_);
     for (std::size_t i = 0; i < names.size(); ++i)
-        page.text(x, y + static_cast<int>(i) * name_line, names[i], style::ink);
+        canvas.text(x, y + static_cast<int>(i) * name_line, names[i], style::ink);
     if (forms.size() > 1) {
         std::string same_forms = "same:";
         for (const std::size_t form : std::span(forms).subspan(1)) same_forms += " " + spec_.forms[form];
         if (image_backend().render_text(same_forms, style::smallest_size).width > cell_width_)
             same_forms = "same: " + std::to_string(forms.size() - 1) + " more forms";
-        page.text(x, y + static_cast<int>(names.size()) * name_line,
-                  fit_text(same_forms, style::small_size, FontWeight::regular, cell_width_), style::soft_ink);
+        canvas.text(x, y + static_cast<int>(names.size()) * name_line,
+                    fit_text(same_forms, style::small_size, FontWeight::regular, cell_width_), style::soft_ink);
     }
     for (std::size_t format = 0; format < spec_.formats.size(); ++format)
-        draw_cell(page, x, y + column_head_height_ + static_cast<int>(format) * row_height_,
+        draw_cell(canvas, x, y + column_head_height_ + static_cast<int>(format) * row_height_,
                   cell(forms.front(), format));
 }
 
@@ -339,25 +339,26 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
         block_height_ += name_line;
     }
 
-    Canvas page(content_width_ + 2 * style::margin, page_height(columns.size(), classes));
-    page.draw_canvas(style::margin, style::margin, heading_);
-    if (has_selection_block_) draw_parts(page, columns.size());
-    draw_grid(page, columns);
-    draw_bars(page, columns.size());
-    page.draw_canvas(style::margin, page.height() - style::margin - classes.height(), classes.draw(legend));
-    figure_writer_->save(page);
+    Canvas canvas(content_width_ + 2 * style::margin, canvas_height(columns.size(), classes));
+    canvas.draw_canvas(style::margin, style::margin, heading_);
+    if (has_selection_block_) draw_parts(canvas, columns.size());
+    draw_grid(canvas, columns);
+    draw_bars(canvas, columns.size());
+    canvas.draw_canvas(style::margin, canvas.height() - style::margin - classes.height(), classes.draw(legend));
+    figure_writer_->save(canvas);
 }
 
 /// Draws the columns, and the names of the formats at the left of each block.
-void ContactSheet::draw_grid(Canvas& page, const std::vector<FormGroup>& columns) {
+void ContactSheet::draw_grid(Canvas& canvas, const std::vector<FormGroup>& columns) {
     for (std::size_t position = 0; position < columns.size(); ++position) {
         const int column_in_block = static_cast<int>(position) % columns_,
                   y = block_y(static_cast<int>(position) / columns_);
-        draw_column(page, style::margin + row_label_width_ + style::gap + column_in_block * (cell_width_ + style::gap),
-                    y, columns[position]);
+        draw_column(canvas,
+                    style::margin + row_label_width_ + style::gap + column_in_block * (cell_width_ + style::gap), y,
+                    columns[position]);
         for (std::size_t format = 0; format < spec_.formats.size() && column_in_block == 0; ++format) {
             const auto label = image_backend().render_text(spec_.formats[format], style::text_size, FontWeight::bold);
-            page.text(
+            canvas.text(
                 style::margin,
                 y + column_head_height_ + static_cast<int>(format) * row_height_ + (thumb_height_ - label.height) / 2,
                 label, style::ink);

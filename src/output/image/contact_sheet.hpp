@@ -122,15 +122,15 @@ private:
     [[nodiscard]] std::uint64_t difference(std::size_t form_a, std::size_t form_b) const;
     void move_most_different_first(std::vector<FormGroup>& columns) const;
     [[nodiscard]] int block_y(int block) const;
-    [[nodiscard]] int page_height(std::size_t columns, const Legend& legend) const;
+    [[nodiscard]] int canvas_height(std::size_t columns, const Legend& legend) const;
     void draw_colour_bars();
-    void draw_parts(Canvas& page, std::size_t columns) const;
-    void draw_grid(Canvas& page, const std::vector<FormGroup>& columns);
-    void draw_bars(Canvas& page, std::size_t columns) const;
-    void draw_column(Canvas& page, int x, int y, const FormGroup& forms);
+    void draw_parts(Canvas& canvas, std::size_t columns) const;
+    void draw_grid(Canvas& canvas, const std::vector<FormGroup>& columns);
+    void draw_bars(Canvas& canvas, std::size_t columns) const;
+    void draw_column(Canvas& canvas, int x, int y, const FormGroup& forms);
     [[nodiscard]] std::vector<TextBitmap> wrapped_note(std::string_view note) const;
-    void draw_cell(Canvas& page, int x, int y, const Cell& cell) const;
-    void draw_zoom(Canvas& page, int x, int y, const Cell& cell) const;
+    void draw_cell(Canvas& canvas, int x, int y, const Cell& cell) const;
+    void draw_zoom(Canvas& canvas, int x, int y, const Cell& cell) const;
 
     SheetSpec spec_;
     std::vector<Cell> cells_;  ///< the forms of the first format, then those of the next

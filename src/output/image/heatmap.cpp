@@ -38,7 +38,7 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
         body_height_ = std::max(body_height_, bar_.height());
     }
     content_width = std::max(content_width, style::min_content_width);
-    page_width_ = content_width + 2 * style::margin;
+    canvas_width_ = content_width + 2 * style::margin;
 
     // The head of the page is drawn now, and the foot at the end.
     const Canvas head = heading(spec_.title, spec_.subtitle, content_width);
@@ -46,7 +46,7 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     caption_lines_ =
         static_cast<int>(wrap_text(spec_.widest_caption, style::text_size, FontWeight::regular, content_width).size());
     const int head_height = style::margin + head.height() + (head.height() > 0 ? style::gap : 0);
-    head_ = Canvas(page_width_, head_height);
+    head_ = Canvas(canvas_width_, head_height);
     head_.draw_canvas(style::margin, style::margin, head);
 
     auto kinds = file::figure_kinds(path);
@@ -55,7 +55,7 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
     if (!has_png) return;
 
     // A PNG is written row by row, beginning with the head and the upper line of the frame.
-    png_ = image_backend().open_png(path, page_width_, head_height + body_height_ + foot_height());
+    png_ = image_backend().open_png(path, canvas_width_, head_height + body_height_ + foot_height());
     png_->write_rows(head_.height(), head_.pixels());
     bar_pixels_ = bar_.pixels();
     const std::vector<Rgb8> frame_row(static_cast<std::size_t>(spec_.width), style::line);
@@ -63,8 +63,8 @@ HeatmapWriter::HeatmapWriter(const std::filesystem::path& path, HeatmapSpec spec
 }
 
 void HeatmapWriter::write_body_row(std::span<const Rgb8> samples) {
-    page_row_.assign(static_cast<std::size_t>(page_width_), style::page);
-    auto out = page_row_.begin() + style::margin;
+    canvas_row_.assign(static_cast<std::size_t>(canvas_width_), style::background);
+    auto out = canvas_row_.begin() + style::margin;
     if (!samples.empty()) {
         *out++ = style::line;
         if (enlargement_ == 1) out = std::ranges::copy(samples, out).out;
@@ -77,7 +77,7 @@ void HeatmapWriter::write_body_row(std::span<const Rgb8> samples) {
 
     if (body_y_ < bar_.height())
         std::copy_n(bar_pixels_.begin() + std::ptrdiff_t{body_y_} * bar_.width(), bar_.width(), out + style::gap);
-    png_->write_rows(1, page_row_);
+    png_->write_rows(1, canvas_row_);
     ++body_y_;
 }
 
@@ -106,8 +106,8 @@ int HeatmapWriter::caption_height() const {
 void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view caption) {
     if (written_rows_ != spec_.height) throw std::logic_error("heatmap: rows are missing");
 
-    Canvas foot(page_width_, foot_height());
-    const auto lines = wrap_text_into(caption, style::text_size, page_width_ - 2 * style::margin,
+    Canvas foot(canvas_width_, foot_height());
+    const auto lines = wrap_text_into(caption, style::text_size, canvas_width_ - 2 * style::margin,
                                       static_cast<std::size_t>(caption_lines_));
     for (std::size_t i = 0; i < lines.size(); ++i)
         foot.text(style::margin, style::gap + static_cast<int>(i) * style::line_height(style::text_size), lines[i],
@@ -125,14 +125,14 @@ void HeatmapWriter::finish(std::span<const LegendEntry> legend, std::string_view
 }
 
 void HeatmapWriter::save_other_files(const Canvas& foot) {
-    Canvas page(page_width_, head_.height() + body_height_ + foot.height());
-    page.draw_canvas(0, 0, head_);
+    Canvas canvas(canvas_width_, head_.height() + body_height_ + foot.height());
+    canvas.draw_canvas(0, 0, head_);
     const PixelBox box{style::margin + 1, head_.height() + 1, field_width_, field_height_};
-    page.frame(box.x, box.y, box.width, box.height, style::line);
-    page.field(box, spec_.width, std::move(field_));
-    page.draw_canvas(box.x + field_width_ + 1 + style::gap, head_.height(), bar_);
-    page.draw_canvas(0, head_.height() + body_height_, foot);
-    other_figure_writer_->save(page);
+    canvas.frame(box.x, box.y, box.width, box.height, style::line);
+    canvas.field(box, spec_.width, std::move(field_));
+    canvas.draw_canvas(box.x + field_width_ + 1 + style::gap, head_.height(), bar_);
+    canvas.draw_canvas(0, head_.height() + body_height_, foot);
+    other_figure_writer_->save(canvas);
 }
 
 }  // namespace lostbits::output::image

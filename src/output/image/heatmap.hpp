@@ -52,13 +52,13 @@ private:
     [[nodiscard]] int foot_height() const;
     [[nodiscard]] int caption_height() const;
     int enlargement_ = 1;
-    int field_width_ = 0, field_height_ = 0, body_height_ = 0, page_width_ = 0;
+    int field_width_ = 0, field_height_ = 0, body_height_ = 0, canvas_width_ = 0;
     int caption_lines_ = 0;
     int written_rows_ = 0;  ///< rows of the field that were passed to `write_rows`
     int body_y_ = 0;        ///< rows of the body that were written
     Canvas head_{0, 0}, bar_{0, 0};
     std::optional<Legend> legend_;
-    std::vector<Rgb8> page_row_, bar_pixels_;
+    std::vector<Rgb8> canvas_row_, bar_pixels_;
     std::unique_ptr<PngWriter> png_;                     ///< null if the run writes no PNG
     std::unique_ptr<FigureWriter> other_figure_writer_;  ///< files of the other kinds, written at the end
     std::vector<Rgb8> field_;                            ///< the whole field, for the other kinds

@@ -8,7 +8,7 @@
 
 #include "intersect/device/temporary_folder.hpp"
 #include "intersect/process/floating_point.hpp"
-#include "intersect/process/own_state.hpp"
+#include "intersect/process/process_state.hpp"
 #include "number/error.hpp"
 #include "output/file/result_folder.hpp"
 #include "output/image/image.hpp"

@@ -8,8 +8,8 @@
 #include "measure/evaluate/map.hpp"
 #include "measure/judge/worst_rays.hpp"
 #include "output/attribution/explain_command.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_files.hpp"
-#include "output/map/row_names.hpp"
 #include "output/sweep/worst_files.hpp"
 
 namespace lostbits::output::judge {
@@ -18,21 +18,21 @@ using file::Cell;
 using measure::evaluate::TestedForm;
 using measure::judge::JudgeRequest;
 using measure::judge::ReportedRay;
-using scene::dump::Chunk;
-using scene::dump::Dump;
+using scene::ray_file::Chunk;
+using scene::ray_file::RayFile;
 using table::Table;
-namespace slot = scene::dump::slot;
+namespace slot = scene::ray_file::slot;
 
 namespace {
 
 /// Makes the scene that a map needs: a name, a size, the shapes of the primitives, and the mesh if there is one.
-scene::file::Scene make_scene(const JudgeRequest& request, const Dump& dump, const JudgeWriterOptions& options) {
+scene::file::Scene make_scene(const JudgeRequest& request, const RayFile& ray_file, const JudgeWriterOptions& options) {
     scene::file::Scene scene;
     scene.id = options.id;
     scene.title = options.title;
     scene.width = request.picture ? request.picture->first : 1;
     scene.height = request.picture ? request.picture->second : 1;
-    if (dump.layout().primitive()) scene.listed.emplace_back(*dump.layout().primitive());
+    if (ray_file.layout().primitive_shape()) scene.listed.emplace_back(*ray_file.layout().primitive_shape());
     for (const Primitive<double>& primitive : request.primitives) scene.listed.emplace_back(primitive.shape);
     if (request.mesh) scene.mesh = {request.mesh, &request.mesh->mesh()};
     return scene;
@@ -54,26 +54,26 @@ std::string case_name(const TestedForm& tested_form, const ReportedRay& ray) {
 
 /// A ray in a chunk (consecutive rays) of the file, and its answer.
 struct JudgedRay {
-    const scene::dump::Chunk* chunk;
+    const scene::ray_file::Chunk* chunk;
     map::BandRay band_ray;
 };
 
 bool has_file_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.band_ray.i] != 0; }
 
 /// Columns with the numbers that the file has for a ray and its primitive.
-Table<JudgedRay> file_columns(const Dump& dump) {
+Table<JudgedRay> file_columns(const RayFile& ray_file) {
     using R = JudgedRay;
-    const scene::dump::Layout& layout = dump.layout();
+    const scene::ray_file::Layout& layout = ray_file.layout();
     Table<R> table{
         {"ray", "index of the ray in the file, from 0", [](const R& r) { return r.chunk->first + r.band_ray.i; }}};
 
     // Numbers of a file of floats are written with only the digits that a float needs.
-    const bool is_f32 = dump.format().engine == Format::Engine::native32;
+    const bool is_f32 = ray_file.format().engine == Format::Engine::native32;
     const auto number = [is_f32](double x) { return is_f32 ? Cell(static_cast<float>(x)) : Cell(x); };
     const auto add = [&](std::size_t s, const char* type, const char* meaning, table::CellOf<R> value) {
         if (layout.has(s))
-            table.add(
-                {{std::string(scene::dump::name_of_slot(s, layout.primitive())), type, "", meaning}, std::move(value)});
+            table.add({{std::string(scene::ray_file::name_of_slot(s, layout.primitive_shape())), type, "", meaning},
+                       std::move(value)});
     };
     const auto add_number = [&](std::size_t s, const char* meaning, const auto& value) {
         add(s, "number", meaning, [=](const R& r) { return number(value(*r.chunk, r.band_ray.i)); });
@@ -96,8 +96,9 @@ Table<JudgedRay> file_columns(const Dump& dump) {
             s, "number of the ray's primitive, as it was judged",
             [k = s - slot::primitive](const Chunk& c, std::size_t i) { return c.primitives[i].shape_numbers()[k]; });
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
-        add_number(s, "number of the primitive's matrix, as it was judged",
-                   [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].placed->matrix[k]; });
+        add_number(
+            s, "number of the primitive's matrix, as it was judged",
+            [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].transform->matrix[k]; });
 
     // The answer.
     add(slot::hit, "boolean", "true if the file has a hit for this ray", has_file_hit);
@@ -106,8 +107,8 @@ Table<JudgedRay> file_columns(const Dump& dump) {
     return table;
 }
 
-/// Columns of the table of one series (a form in a format). If `has_no_t`, its answers are only hit or miss.
-Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::metric::Metric*>& metrics,
+/// Columns of the table of one tested form (a form in a format). If `has_no_t`, its answers are only hit or miss.
+Table<JudgedRay> ray_table(const RayFile& ray_file, const std::vector<const measure::metric::Metric*>& metrics,
                            bool has_no_t = false) {
     using AnswerRay = map::BandRay;
     Table<AnswerRay> answer_columns{map::outcome_column()};
@@ -116,10 +117,11 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     answer_columns.add(map::truth_and_metric_columns(metrics));
 
     // Columns that the file holds beside rays and answers get names that no other column has.
-    Table<JudgedRay> table = file_columns(dump);
-    const std::size_t kept_count = dump.layout().kept().size();
+    Table<JudgedRay> table = file_columns(ray_file);
+    const std::size_t kept_count = ray_file.layout().kept_columns().size();
     for (std::size_t k = 0; k < kept_count; ++k) {
-        std::string name = file::escape_formula(dump.layout().kept()[k]);  // a column may have the name of a formula
+        std::string name =
+            file::escape_formula(ray_file.layout().kept_columns()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || answer_columns.find(name)) name = "file_" + name;
         table.add({name, "this column of the file, unchanged",
                    [k, kept_count](const JudgedRay& r) { return r.chunk->kept[r.band_ray.i * kept_count + k]; }});
@@ -127,16 +129,17 @@ Table<JudgedRay> ray_table(const Dump& dump, const std::vector<const measure::me
     return table.add(answer_columns, &JudgedRay::band_ray);
 }
 
-/// Files of one series: its table of rays, its worst rays, and its part of the map.
-class SeriesWriter {
+/// Files of one tested form: its table of rays, its worst rays, and its part of the map.
+class TestedFormWriter {
 public:
-    SeriesWriter(const TestedForm& tested_form, WorstRays worst)
+    TestedFormWriter(const TestedForm& tested_form, WorstRays worst)
         : tested_form_(tested_form), worst_(std::move(worst)) {}
-    void open_table(const std::filesystem::path& folder, const Dump& dump, const JudgeRequest& request) {
+    void open_table(const std::filesystem::path& folder, const RayFile& ray_file, const JudgeRequest& request) {
         table_.emplace(
-            folder, map::row_name(tested_form_) + ".csv",
+            folder, map::tested_form_name(tested_form_) + ".csv",
             fmt::format("One row per ray: {} in {}", tested_form_.form->info->name, tested_form_.format.name),
-            ray_table(dump, request.metrics, request.is_file_form(tested_form_) && dump.layout().decides_only()));
+            ray_table(ray_file, request.metrics,
+                      request.is_file_form(tested_form_) && ray_file.layout().has_only_decisions()));
     }
     /// Sets the function that receives each result for the map.
     void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }
@@ -167,84 +170,85 @@ struct JudgeWriter::Parts {
     measure::evaluate::MapStudy map_request = {};
     std::optional<map::MapWriter> map = {};
     std::optional<file::AtomicFile> worst_file = {};
-    std::vector<std::unique_ptr<SeriesWriter>> series = {};
+    std::vector<std::unique_ptr<TestedFormWriter>> form_writers = {};
 
-    /// For a shard: adds the lines of the series' table to the map's piece of the series.
+    /// For a shard: adds the lines of the tested form's table to the map's piece of the tested form.
     [[nodiscard]] pixel::PieceReceiver keep_map_piece() {
         if (!options.keep_piece) return {};
         return [this](std::size_t form_index, pixel::Piece&& piece) {
-            if (series.at(form_index)->table()) piece.lines = series[form_index]->table()->take_lines();
+            if (form_writers.at(form_index)->table()) piece.lines = form_writers[form_index]->table()->take_lines();
             options.keep_piece(form_index, std::move(piece));
         };
     }
 };
 
-JudgeWriter::JudgeWriter(const JudgeRequest& request, const Dump& dump, JudgeWriterOptions options) {
+JudgeWriter::JudgeWriter(const JudgeRequest& request, const RayFile& ray_file, JudgeWriterOptions options) {
     parts_.reset(new Parts{.request = request, .options = std::move(options), .scene = {}});
     Parts& p = *parts_;
-    p.scene = make_scene(request, dump, p.options);
+    p.scene = make_scene(request, ray_file, p.options);
     p.map_request = {.scene = &p.scene, .tested_forms = request.tested_forms, .metrics = request.metrics};
     const std::size_t ulp_error_index = measure::metric::index_of(request.metrics, "ulp_error");
 
-    // The files of each series.
+    // The files of each tested form.
     std::vector<file::DataResource> tables;
     for (const TestedForm& tested_form : request.tested_forms) {
-        p.series.push_back(
-            std::make_unique<SeriesWriter>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
+        p.form_writers.push_back(
+            std::make_unique<TestedFormWriter>(tested_form, WorstRays(p.options.worst_count, ulp_error_index)));
         if (!p.options.writes_rows) continue;
-        p.series.back()->open_table(p.options.keep_piece ? "" : p.options.folder, dump, request);
-        tables.push_back(p.series.back()->table()->about());
+        p.form_writers.back()->open_table(p.options.keep_piece ? "" : p.options.folder, ray_file, request);
+        tables.push_back(p.form_writers.back()->table()->about());
     }
 
     p.map.emplace(
         p.map_request,
-        map::MapFilesOptions{.folder = p.options.folder,
-                             .drawn_metrics = p.options.drawn_metrics,
-                             .draws_single_pictures = p.options.single_pictures,
-                             .scene_arguments = "",
-                             .other_tables = tables,
-                             .ray_arguments = ray_arguments,
-                             .is_list = !request.picture,
-                             .keep_piece = p.keep_map_piece(),
-                             .group_column = request.group_column ? dump.layout().kept()[*request.group_column] : ""});
+        map::MapFilesOptions{
+            .folder = p.options.folder,
+            .drawn_metrics = p.options.drawn_metrics,
+            .draws_single_pictures = p.options.draws_single_pictures,
+            .scene_arguments = "",
+            .other_tables = tables,
+            .ray_arguments = ray_arguments,
+            .is_list = !request.picture,
+            .keep_piece = p.keep_map_piece(),
+            .group_column = request.group_column ? ray_file.layout().kept_columns()[*request.group_column] : ""});
     if (p.options.worst_count > 0 && !p.options.keep_piece) p.worst_file.emplace(p.options.folder / "worst.toml");
 
-    for (std::size_t r = 0; r < p.series.size(); ++r)
-        p.series[r]->connect_map(
+    for (std::size_t r = 0; r < p.form_writers.size(); ++r)
+        p.form_writers[r]->connect_map(
             [show = p.map->show(), r](const measure::evaluate::BandResult& band) { show(r, band); });
 }
 
 JudgeWriter::~JudgeWriter() = default;
 
 void JudgeWriter::add_piece(std::size_t form_index, const Chunk& chunk, const measure::evaluate::BandResult& result) {
-    parts_->series[form_index]->add_piece(chunk, result);
+    parts_->form_writers[form_index]->add_piece(chunk, result);
 }
 
 void JudgeWriter::put(std::size_t form_index, pixel::Piece&& piece) {
-    if (auto& table = parts_->series.at(form_index)->table()) table->add_lines(piece.lines);
+    if (auto& table = parts_->form_writers.at(form_index)->table()) table->add_lines(piece.lines);
     piece.lines.clear();
     parts_->map->put(form_index, std::move(piece));
 }
 
 std::vector<WorstRays> JudgeWriter::worst() const {
     std::vector<WorstRays> worst_rays;
-    for (const auto& series : parts_->series) worst_rays.push_back(series->worst());
+    for (const auto& form_writers : parts_->form_writers) worst_rays.push_back(form_writers->worst());
     return worst_rays;
 }
 
 void JudgeWriter::append(std::vector<WorstRays>&& later_rays) {
-    for (std::size_t r = 0; r < parts_->series.size(); ++r)
-        parts_->series[r]->worst().append(std::move(later_rays.at(r)));
+    for (std::size_t r = 0; r < parts_->form_writers.size(); ++r)
+        parts_->form_writers[r]->worst().append(std::move(later_rays.at(r)));
 }
 
 bool JudgeWriter::finish(const measure::judge::JudgeResult& result) {
     Parts& p = *parts_;
     std::string cases;
-    for (std::size_t r = 0; r < p.series.size(); ++r) {
-        for (const ReportedRay& ray : p.series[r]->worst().all()) {
+    for (std::size_t r = 0; r < p.form_writers.size(); ++r) {
+        for (const ReportedRay& ray : p.form_writers[r]->worst().all()) {
             if (ray.ray_group) cases += sweep::case_text(case_name(p.request.tested_forms[r], ray), *ray.ray_group);
         }
-        p.series[r]->close();
+        p.form_writers[r]->close();
     }
 
     const bool has_cases = p.worst_file && !cases.empty();

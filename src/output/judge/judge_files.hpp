@@ -21,7 +21,7 @@ struct JudgeWriterOptions {
     std::string command;  ///< the command that finds the worst rays again
     std::vector<const measure::metric::Metric*> drawn_metrics =
         {};                                ///< metrics on sheets; empty: the rays are no picture
-    bool single_pictures = false;          ///< also each picture of a sheet alone
+    bool draws_single_pictures = false;    ///< also each picture of a sheet alone
     bool writes_rows = false;              ///< one row per ray in `<form>.<format>.csv`
     std::size_t worst_count = 10;          ///< number of rays of each kind that worst.toml holds
     pixel::PieceReceiver keep_piece = {};  ///< receives the pieces of a shard
@@ -31,17 +31,19 @@ struct JudgeWriterOptions {
 class JudgeWriter {
 public:
     /// All three arguments must outlive the object.
-    JudgeWriter(const measure::judge::JudgeRequest& request, const scene::dump::Dump& dump, JudgeWriterOptions options);
+    JudgeWriter(const measure::judge::JudgeRequest& request, const scene::ray_file::RayFile& ray_file,
+                JudgeWriterOptions options);
     ~JudgeWriter();
     JudgeWriter(const JudgeWriter&) = delete;
     JudgeWriter& operator=(const JudgeWriter&) = delete;
 
-    /// Adds the next judged rays of a series (a form in a format). `form_index` is its index in the request.
-    void add_piece(std::size_t form_index, const scene::dump::Chunk& chunk,
+    /// Adds the next judged rays of a tested form (a form in a format). `form_index` is its index in the request.
+    void add_piece(std::size_t form_index, const scene::ray_file::Chunk& chunk,
                    const measure::evaluate::BandResult& result);
-    /// Writes the next piece of a series, which another run kept.
+    /// Writes the next piece of a tested form, which another run kept.
     void put(std::size_t form_index, pixel::Piece&& piece);
-    /// Worst rays of each series. `append` adds the worst rays that another run found among later rays of the file.
+    /// Worst rays of each tested form. `append` adds the worst rays that another run found among later rays of the
+    /// file.
     [[nodiscard]] std::vector<WorstRays> worst() const;
     void append(std::vector<WorstRays>&& later_rays);
     /// Gives all files their final names. Returns true if it wrote a worst.toml, that is, if some rays deserve a second

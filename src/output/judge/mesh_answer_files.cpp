@@ -67,13 +67,13 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
         {"format", "format that they were computed in", &MeshSummaryRow::format},
         {"answers", "what the answers are about",
          [](const MeshSummaryRow& r) {
-             return std::string(scene::dump::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
+             return std::string(scene::ray_file::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
          }},
         {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
 
     for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
         const auto outcome = static_cast<MeshOutcome>(o);
-        if (!measure::judge::can_be(outcome, kind)) continue;
+        if (!measure::judge::can_have_outcome(outcome, kind)) continue;
         const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
         table.add({std::string(name), records + ": " + std::string(meaning),
                    [outcome](const MeshSummaryRow& r) { return r.result->count(outcome); }});
@@ -119,7 +119,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
     table.add({kind == AnswerKind::all_hits
                    ? "listed"
-                   : std::string(scene::dump::answer_kind_names.at(static_cast<std::size_t>(kind))),
+                   : std::string(scene::ray_file::answer_kind_names.at(static_cast<std::size_t>(kind))),
                kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
     if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
 

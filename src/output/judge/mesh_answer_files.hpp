@@ -14,7 +14,7 @@ namespace lostbits::output::judge {
 
 using measure::judge::JudgedAnswer;
 using measure::judge::MeshAnswersResult;
-using scene::dump::AnswerKind;
+using scene::ray_file::AnswerKind;
 
 struct MeshAnswerWriterOptions {
     std::filesystem::path folder;

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "output/file/number_text.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 
 namespace lostbits::output::map {
 
@@ -32,13 +32,13 @@ std::pair<std::uint64_t, double> sort_key(const MeasuredForm& form) {
     return {form.summary->wrong_count(), -form.kept_bits};
 }
 
-/// The forms that were measured in the format of the first series; empty if lost bits were not measured.
-std::vector<MeasuredForm> measured_forms(const MapStudy& request, const std::vector<FormSummary>& summaries) {
-    const std::size_t lost_bits_index = measure::metric::index_of(request.metrics, "lost_bits");
+/// The forms that were measured in the format of the first tested form; empty if lost bits were not measured.
+std::vector<MeasuredForm> measured_forms(const MapStudy& study, const std::vector<FormSummary>& summaries) {
+    const std::size_t lost_bits_index = measure::metric::index_of(study.metrics, "lost_bits");
     std::vector<MeasuredForm> forms;
-    for (std::size_t r = 0; r < summaries.size() && lost_bits_index < request.metrics.size(); ++r) {
-        const auto& row = request.tested_forms[r];
-        if (row.format != request.tested_forms.front().format) continue;
+    for (std::size_t r = 0; r < summaries.size() && lost_bits_index < study.metrics.size(); ++r) {
+        const auto& row = study.tested_forms[r];
+        if (row.format != study.tested_forms.front().format) continue;
 
         const FormSummary& summary = summaries[r];
         const double kept_bits = row.format.parameters.precision - summary.metrics[lost_bits_index].quantile(0.99);
@@ -82,14 +82,14 @@ std::string wrong_decision_text(const FormSummary& summary) {
     return fmt::format("decides {} wrongly", count_and_fraction_text(wrong, summary.rays, "rays"));
 }
 
-std::string finding_text(const MapStudy& request, const std::vector<FormSummary>& summaries) {
-    const auto forms = measured_forms(request, summaries);
+std::string finding_text(const MapStudy& study, const std::vector<FormSummary>& summaries) {
+    const auto forms = measured_forms(study, summaries);
     if (forms.empty()) return "";
 
     // The sentence names the first of equally good forms. So does the sheet, where the others share its column.
     const MeasuredForm &best = *std::ranges::min_element(forms, {}, sort_key),
                        &worst = *std::ranges::max_element(forms, {}, sort_key);
-    const auto& format = request.tested_forms.front().format;
+    const auto& format = study.tested_forms.front().format;
     if (best.kept_bits < 0) return "";
 
     // Forms that all do equally well share a sentence.

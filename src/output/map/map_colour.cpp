@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/pixel/look.hpp"
 
 namespace lostbits::output::map {
@@ -14,11 +14,11 @@ using image::LegendEntry;
 using image::Rgb8;
 
 Rgb8 make_paler(Rgb8 c) {
-    const auto mix_with_page = [](std::uint8_t x, std::uint8_t page) {
-        return static_cast<std::uint8_t>((x + page) / 2);
+    const auto mix_with_background = [](std::uint8_t x, std::uint8_t background) {
+        return static_cast<std::uint8_t>((x + background) / 2);
     };
-    return {mix_with_page(c.r, image::style::page.r), mix_with_page(c.g, image::style::page.g),
-            mix_with_page(c.b, image::style::page.b)};
+    return {mix_with_background(c.r, image::style::background.r), mix_with_background(c.g, image::style::background.g),
+            mix_with_background(c.b, image::style::background.b)};
 }
 
 std::string outcome_in_words(Outcome o) {

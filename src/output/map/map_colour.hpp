@@ -74,7 +74,7 @@ public:
     [[nodiscard]] const Metric& metric() const { return *metric_; }
     /// The scale; missing for categories.
     [[nodiscard]] const std::optional<image::ColourScale>& scale() const { return look_.scale; }
-    /// True if the metric has a picture for this series.
+    /// True if the metric has a picture for this tested form.
     [[nodiscard]] bool applies_to(const TestedForm& tested_form) const;
     /// True if both metrics are drawn alike, so that they may share a colour bar.
     [[nodiscard]] bool shares_bar_with(const Metric& other) const;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "measure/truth/missing.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 
 namespace lostbits::output::map {
 
@@ -14,10 +14,10 @@ using image::Channel;
 using image::ExrPart;
 using measure::truth::missing;
 
-/// A part with the truth that several series share. It is filled from the first of these series, `source_row`.
+/// A part with the truth that several tested forms share. It is filled from the first of these, `first_form`.
 struct MapExr::TruthPart {
     TruthKind kind;
-    const TestedForm* source_row;
+    const TestedForm* first_form;
     pixel::ExrLayers<MapStrip> layers;
 
     [[nodiscard]] std::string name() const {
@@ -113,10 +113,10 @@ pixel::ExrLayers<MapStrip> series_layers(const MapExrRequest& request, const Tes
     return layers;
 }
 
-pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& source_row) {
+pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& first_form) {
     pixel::ExrLayers<MapStrip> layers;
     add_exact_number(
-        layers, "truth", false, [direction = source_row.form->info->direction](const MapStrip& strip, std::size_t i) {
+        layers, "truth", false, [direction = first_form.form->info->direction](const MapStrip& strip, std::size_t i) {
             const BandResult& result = *strip.result;
             return result.truth(i).is_hit() ? result.band->rounded_truth(i, binary64, direction, result.convention)
                                             : missing;
@@ -125,18 +125,18 @@ pixel::ExrLayers<MapStrip> truth_layers(const TestedForm& source_row) {
     return layers;
 }
 
-pixel::ExrLayers<NeededStrip> needed_layers() {
-    pixel::ExrLayers<NeededStrip> layers;
-    layers.add_preview([](const NeededStrip& strip, std::size_t i) { return strip.preview[i]; });
+pixel::ExrLayers<BitsNeededStrip> bits_needed_layers() {
+    pixel::ExrLayers<BitsNeededStrip> layers;
+    layers.add_preview([](const BitsNeededStrip& strip, std::size_t i) { return strip.preview[i]; });
     layers.add_number("bits.needed",
-                      [](const NeededStrip& strip, std::size_t i) { return strip.result->bits_needed[i]; });
+                      [](const BitsNeededStrip& strip, std::size_t i) { return strip.result->bits_needed[i]; });
     add_truth(layers);
     return layers;
 }
 
 ExrPart series_part(const MapExrRequest& request, const TestedForm& tested_form, const std::string& truth_name,
                     std::vector<Channel> channels) {
-    ExrPart part = make_part(request, row_name(tested_form), "lostbits-map/2", std::move(channels));
+    ExrPart part = make_part(request, tested_form_name(tested_form), "lostbits-map/2", std::move(channels));
     append(part.spec.attributes, {{"lostbits:form", std::string(tested_form.form->info->name)},
                                   {"lostbits:format", tested_form.format.name},
                                   {"lostbits:truth", truth_name},
@@ -150,13 +150,13 @@ ExrPart series_part(const MapExrRequest& request, const TestedForm& tested_form,
 
 ExrPart needed_part(const MapExrRequest& request, const Info& form) {
     ExrPart part =
-        make_part(request, std::string(form.name) + ".needed", "lostbits-needed/2", needed_layers().channels());
+        make_part(request, std::string(form.name) + ".needed", "lostbits-needed/2", bits_needed_layers().channels());
     part.run = 1;  // after the map
     using measure::evaluate::min_precision, measure::evaluate::max_precision;
     append(part.spec.attributes,
            {{"lostbits:form", std::string(form.name)},
             {"lostbits:format", "p" + std::to_string(min_precision) + "..p" + std::to_string(max_precision)},
-            {"lostbits:bits", std::to_string(request.needed->bits)},
+            {"lostbits:bits", std::to_string(request.needed->correct_bits)},
             {"lostbits:truths", pixel::numbered_list(measure::truth::decision_names)}});
     return part;
 }
@@ -175,7 +175,7 @@ ExrScanlines band_forms(std::size_t part, const pixel::ExrLayers<Band>& layers, 
 MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) {
     std::vector<ExrPart> parts;
 
-    // A part for each series. The first series with a truth of its own makes the part of that truth.
+    // A part for each tested form. The first tested form with a truth of its own makes the part of that truth.
     for (const TestedForm& tested_form : request.map.tested_forms) {
         series_.push_back({&tested_form, series_layers(request, tested_form)});
         const std::size_t truth_index =
@@ -210,7 +210,7 @@ std::vector<ExrScanlines> MapExr::make_rows(const TestedForm& tested_form, const
         index_in(series_, [&tested_form](const SeriesLayers& s) { return s.tested_form == &tested_form; });
     std::vector<ExrScanlines> part_rows{band_forms(index, series_[index].layers, strip)};
     const std::size_t truth_index =
-        index_in(truth_parts_, [&tested_form](const TruthPart& t) { return t.source_row == &tested_form; });
+        index_in(truth_parts_, [&tested_form](const TruthPart& t) { return t.first_form == &tested_form; });
     if (truth_index < truth_parts_.size())
         part_rows.push_back(band_forms(series_.size() + truth_index, truth_parts_[truth_index].layers, strip));
     return part_rows;
@@ -218,7 +218,8 @@ std::vector<ExrScanlines> MapExr::make_rows(const TestedForm& tested_form, const
 
 std::vector<ExrScanlines> MapExr::make_rows(const BitsNeededBand& result, std::span<const image::Rgb8> preview) const {
     const std::size_t index = index_in(needed_forms_, [&result](const Info* form) { return form == result.form; });
-    return {band_forms(series_.size() + truth_parts_.size() + index, needed_layers(), NeededStrip{&result, preview})};
+    return {band_forms(series_.size() + truth_parts_.size() + index, bits_needed_layers(),
+                       BitsNeededStrip{&result, preview})};
 }
 
 void MapExr::write(const std::vector<ExrScanlines>& part_rows) {

@@ -1,4 +1,4 @@
-// The EXR of a scene's map: every value that the pictures show, with one part per series (a form in a format).
+// The EXR of a scene's map: every value that the pictures show, with one part per tested form (a form in a format).
 #pragma once
 
 #include <filesystem>
@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "measure/evaluate/bits_needed.hpp"
 #include "measure/evaluate/map.hpp"
-#include "measure/evaluate/needed.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/exr_book.hpp"
 #include "output/pixel/columns.hpp"
 #include "output/pixel/exr_layers.hpp"
-#include "output/pixel/row_files.hpp"
+#include "output/pixel/form_files.hpp"
 
 namespace lostbits::output::map {
 
@@ -39,15 +39,15 @@ struct PreviewedBand {
     std::span<const image::Rgb8> preview;
 };
 using MapStrip = PreviewedBand<BandResult>;
-using NeededStrip = PreviewedBand<BitsNeededBand>;
+using BitsNeededStrip = PreviewedBand<BitsNeededBand>;
 
 /// The EXR file of a map. It has these parts, in this order, with channels of 32 bits:
-/// - `<form>.<format>`, one per series: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
+/// - `<form>.<format>`, one per tested form: `R`, `G`, `B` (the heatmap in linear light); the answer t (below);
 /// `class.outcome`; `class.object` (UINT; 0 is none, otherwise 1 + the index of the primitive, counted from 0); one
-/// FLOAT channel per metric, NaN where it is undefined. The attribute `lostbits:truth` names the part with the series'
-/// truth.
-/// - `truth…`, one for each convention of the series: t* correctly rounded to binary64, `class.truth` (UINT: 0 miss, 1
-/// hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
+/// FLOAT channel per metric, NaN where it is undefined. The attribute `lostbits:truth` names the part with the tested
+/// form's truth.
+/// - `truth…`, one for each convention of the tested forms: t* correctly rounded to binary64, `class.truth` (UINT: 0
+/// miss, 1 hit, 2 unresolved), `class.truth_object`. In `truth.distance` t* is a distance, for unit-direction forms.
 /// - `<form>.needed`: `R`, `G`, `B`, `bits.needed` (FLOAT: 2 to 53, infinity if not even 53 suffice, NaN if the truth
 /// is unresolved), `class.truth`, `class.truth_object`.
 /// A number x is stored as `x.hi` (FLOAT). If binary32 cannot represent its format, there are also `x.lo` (hi + lo is
@@ -60,8 +60,8 @@ public:
     MapExr(const MapExr&) = delete;
     MapExr& operator=(const MapExr&) = delete;
 
-    /// Rows of the file for one band: of a series of the map, with its truth unless another series writes that truth;
-    /// or of the bits needed by a form.
+    /// Rows of the file for one band: of a tested form of the map, with its truth unless another tested form writes
+    /// that truth; or of the bits needed by a form.
     [[nodiscard]] std::vector<ExrScanlines> make_rows(const TestedForm& tested_form, const BandResult& result,
                                                       std::span<const image::Rgb8> preview) const;
     [[nodiscard]] std::vector<ExrScanlines> make_rows(const BitsNeededBand& result,

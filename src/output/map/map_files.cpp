@@ -9,17 +9,17 @@
 
 #include "output/attribution/explain_command.hpp"
 #include "output/file/machine.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_pictures.hpp"
 #include "output/map/map_tables.hpp"
-#include "output/map/row_names.hpp"
-#include "output/pixel/row_files.hpp"
+#include "output/pixel/form_files.hpp"
 
 namespace lostbits::output::map {
 namespace {
 
-using MapRowWriter = pixel::RowWriter<BandResult, BandRay>;
+using MapFormWriter = pixel::FormFilesWriter<BandResult, BandRay>;
 
-/// Preview of a series to which none of the metrics applies: the colours of its outcomes.
+/// Preview of a tested form to which none of the metrics applies: the colours of its outcomes.
 std::vector<image::Rgb8> outcome_colours_of(const BandResult& result) {
     std::vector<image::Rgb8> field(result.outcomes.size());
     std::ranges::transform(result.outcomes, field.begin(), pixel::colour_of);
@@ -29,16 +29,16 @@ std::vector<image::Rgb8> outcome_colours_of(const BandResult& result) {
 }  // namespace
 
 struct MapWriter::Parts {
-    const MapStudy& request;
+    const MapStudy& study;
     MapFilesOptions options;
     std::optional<MapPictures> pictures = {};
-    std::deque<MapRowWriter> rows = {};
+    std::deque<MapFormWriter> rows = {};
     std::optional<table::TableFile<SummaryRow>> summary = {};
     std::optional<table::TableFile<Culprit>> culprits = {};
 
     [[nodiscard]] table::Table<SummaryRow> summary_columns() const {
-        auto table = summary_table(request.metrics, request.scene->shapes(), request.scene->mesh != nullptr,
-                                   options.group_column);
+        auto table =
+            summary_table(study.metrics, study.scene->shapes(), study.scene->mesh != nullptr, options.group_column);
         if (!options.is_list) return table;
         for (auto& column : table)
             if (column.about.unit == "pixel") column.about.unit = "";
@@ -48,16 +48,16 @@ struct MapWriter::Parts {
         return table;
     }
     void add_row(std::size_t r) {
-        const TestedForm& tested_form = request.tested_forms[r];
+        const TestedForm& tested_form = study.tested_forms[r];
         std::unique_ptr<table::TableFile<BandRay>> pixels;
         if (options.writes_pixels_csv)
             pixels = std::make_unique<table::TableFile<BandRay>>(
-                options.keep_piece ? "" : options.folder, row_name(tested_form) + ".csv",
+                options.keep_piece ? "" : options.folder, tested_form_name(tested_form) + ".csv",
                 fmt::format("One row per pixel: {} in {}", tested_form.form->info->name, tested_form.format.name),
-                pixel_table(request.metrics));
+                pixel_table(study.metrics));
 
         // The functions that turn a band into rows of the table and of the EXR.
-        MapRowWriter::Functions functions{
+        MapFormWriter::Functions functions{
             .add_pixel =
                 [&tested_form](table::TableFile<BandRay>& file, const BandResult& band, std::size_t i) {
                     file.add({&band, i, &tested_form});
@@ -77,13 +77,13 @@ struct MapWriter::Parts {
     }
 };
 
-MapWriter::MapWriter(const MapStudy& request, const MapFilesOptions& options)
-    : parts_(new Parts{.request = request, .options = options}) {
+MapWriter::MapWriter(const MapStudy& study, const MapFilesOptions& options)
+    : parts_(new Parts{.study = study, .options = options}) {
     Parts& p = *parts_;
     // The limit on open files is checked before an hour of work is spent.
     const std::size_t files_per_row =
         (options.draws_single_pictures ? options.drawn_metrics.size() : 0) + (options.writes_pixels_csv ? 1 : 0);
-    file::require_open_files(request.tested_forms.size() * files_per_row + options.drawn_metrics.size() + 2,
+    file::require_open_files(study.tested_forms.size() * files_per_row + options.drawn_metrics.size() + 2,
                              options.folder.string(), "select fewer forms, formats or metrics");
 
     // A shard and the sheet of a claim have no tables.
@@ -93,12 +93,12 @@ MapWriter::MapWriter(const MapStudy& request, const MapFilesOptions& options)
             options.folder, "summary.csv",
             options.group_column.empty() ? "One row per form and format" : "One row per form, format and group",
             p.summary_columns());
-    if (has_tables && asks_for_culprits(request.metrics))
+    if (has_tables && asks_for_culprits(study.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            culprit_table());
 
-    p.pictures.emplace(request, p.options);
-    for (std::size_t r = 0; r < request.tested_forms.size(); ++r) p.add_row(r);
+    p.pictures.emplace(study, p.options);
+    for (std::size_t r = 0; r < study.tested_forms.size(); ++r) p.add_row(r);
 }
 
 MapWriter::~MapWriter() = default;
@@ -118,14 +118,13 @@ void MapWriter::finish(const std::vector<FormSummary>& summaries, const measure:
                    : attribution::explain_pixel_arguments(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        p.summary->add_all(summary_rows(r, p.request.tested_forms[r], summaries[r], groups, ray_arguments));
-        if (p.culprits) p.culprits->add_all(find_culprits(p.request.metrics, p.request.tested_forms[r], summaries[r]));
+        p.summary->add_all(summary_rows(r, p.study.tested_forms[r], summaries[r], groups, ray_arguments));
+        if (p.culprits) p.culprits->add_all(find_culprits(p.study.metrics, p.study.tested_forms[r], summaries[r]));
     }
 
     // The summary is closed last, because a folder that has one is complete.
     if (p.options.exr) p.options.exr->close();
-    table::close_tables(p.options.folder, p.request.scene->title, *p.summary, p.culprits, p.rows,
-                        p.options.other_tables);
+    table::close_tables(p.options.folder, p.study.scene->title, *p.summary, p.culprits, p.rows, p.options.other_tables);
 }
 
 }  // namespace lostbits::output::map

@@ -26,7 +26,7 @@ struct MapFilesOptions {
     std::string sheet_with_explanations = {};
     /// Draws lost bits in a paler colour where the problem explains them (`is_inside_envelope`). Needs `excess_bits`.
     bool draws_envelope = false;
-    MapExr* exr = nullptr;  ///< for the same request; filled, and closed before summary.csv; null: no EXR is written
+    MapExr* exr = nullptr;  ///< for the same study; filled, and closed before summary.csv; null: no EXR is written
     /// Tables that other objects write into the folder, for datapackage.json.
     std::vector<file::DataResource> other_tables = {};
     RayArguments ray_arguments = {};       ///< replaces `scene_arguments` if the rays come from a file
@@ -39,16 +39,16 @@ struct MapFilesOptions {
     std::filesystem::path sheet_only_file = {};
 };
 
-/// Opens every file of a map at once, before any work. Receives the bands of all series, and gives all files their
-/// final names in `finish`. If the object is destroyed without `finish`, no file gets its final name.
+/// Opens every file of a map at once, before any work. Receives the bands of all tested forms, and gives all files
+/// their final names in `finish`. If the object is destroyed without `finish`, no file gets its final name.
 class MapWriter {
 public:
-    MapWriter(const MapStudy& request, const MapFilesOptions& options);
+    MapWriter(const MapStudy& study, const MapFilesOptions& options);
     ~MapWriter();
     MapWriter(const MapWriter&) = delete;
     MapWriter& operator=(const MapWriter&) = delete;
 
-    /// Returns the function that receives the bands of the request's rows.
+    /// Returns the function that receives the bands of the study's rows.
     [[nodiscard]] measure::evaluate::ShowForms show();
     /// Writes the next piece of a row, which another run kept.
     void put(std::size_t form_index, pixel::Piece&& piece);

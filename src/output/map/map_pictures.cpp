@@ -13,8 +13,8 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "output/map/finding.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_files.hpp"
-#include "output/map/row_names.hpp"
 
 namespace lostbits::output::map {
 namespace {
@@ -34,14 +34,14 @@ std::string file_name_part(const Metric& metric) {
 }
 
 /// Groups the drawn metrics into sheets: metrics that can share a colour bar share a sheet.
-std::vector<MapSheet> group_into_sheets(const MapStudy& request, const MapFilesOptions& options) {
+std::vector<MapSheet> group_into_sheets(const MapStudy& study, const MapFilesOptions& options) {
     std::vector<MapSheet> sheets;
     for (const Metric* m : options.drawn_metrics) {
         const auto applies = [m](const TestedForm& tested_form) {
             return MetricPaint(*m, tested_form.format.parameters).applies_to(tested_form);
         };
-        const auto first = std::ranges::find_if(request.tested_forms, applies);
-        if (first == request.tested_forms.end()) continue;
+        const auto first = std::ranges::find_if(study.tested_forms, applies);
+        if (first == study.tested_forms.end()) continue;
         const auto sheet = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_bar_with(*m); });
         if (sheet != sheets.end()) sheet->metrics.push_back(m);
         else sheets.push_back({MetricPaint(*m, first->format.parameters, options.range), {m}});
@@ -51,28 +51,28 @@ std::vector<MapSheet> group_into_sheets(const MapStudy& request, const MapFilesO
 
 }  // namespace
 
-MapPictures::MapPictures(const MapStudy& request, const MapFilesOptions& options)
-    : request_(request),
+MapPictures::MapPictures(const MapStudy& study, const MapFilesOptions& options)
+    : study_(study),
       options_(options),
-      lost_bits_index_(index_of(request.metrics, measure::metric::find_metric("lost_bits"))),
-      excess_index_(index_of(request.metrics, measure::metric::find_metric("excess_bits"))),
-      sheets_(group_into_sheets(request, options)),
-      files_{make_pages(), make_columns()} {}
+      lost_bits_index_(index_of(study.metrics, measure::metric::find_metric("lost_bits"))),
+      excess_index_(index_of(study.metrics, measure::metric::find_metric("excess_bits"))),
+      sheets_(group_into_sheets(study, options)),
+      files_{describe_files(), make_columns()} {}
 
-pixel::Pages MapPictures::make_pages() {
-    std::vector<pixel::Sheet> pages;
-    for (MapSheet& sheet : sheets_) pages.push_back(make_page(sheet));
-    return {.scene = *request_.scene,
-            .sheets = std::move(pages),
+pixel::PictureFiles MapPictures::describe_files() {
+    std::vector<pixel::SheetFile> files;
+    for (MapSheet& sheet : sheets_) files.push_back(describe_sheet(sheet));
+    return {.scene = *study_.scene,
+            .sheets = std::move(files),
             .single_picture_folder = options_.draws_single_pictures ? options_.folder : "",
-            .stop = request_.limit.stop,
+            .stop = study_.limit.stop,
             .opens_files = !options_.keep_piece};
 }
 
-pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
+pixel::SheetFile MapPictures::describe_sheet(MapSheet& sheet) const {
     // Find the forms and lines that have pictures, and the scale of each line.
     std::vector<image::ColourScale> scales;
-    for (const TestedForm& tested_form : request_.tested_forms) {
+    for (const TestedForm& tested_form : study_.tested_forms) {
         if (!sheet.paint.applies_to(tested_form)) continue;
         static_cast<void>(find_or_add(sheet.forms, short_name(*tested_form.form->info)));
         for (const Metric* m : sheet.metrics) {
@@ -92,8 +92,8 @@ pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
     const std::string name = &sheet == sheets_.data()
                                  ? "contact.png"
                                  : fmt::format("contact.{}.png", file_name_part(*sheet.metrics.front()));
-    const scene::file::Scene& scene = *request_.scene;
-    const auto described_rows = options_.is_list ? std::span<const TestedForm>() : request_.tested_forms;
+    const scene::file::Scene& scene = *study_.scene;
+    const auto described_rows = options_.is_list ? std::span<const TestedForm>() : study_.tested_forms;
     return {is_only_file ? options_.sheet_only_file : options_.folder / name,
             {.title = scene.title,
              .subtitle = sheet_subtitle({scene, options_.scene_arguments, described_rows, sheet.paint, has_several_bars,
@@ -110,15 +110,15 @@ pixel::Sheet MapPictures::make_page(MapSheet& sheet) const {
 }
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
-    return request_.scene->mesh != nullptr && paint.names_worst_ray() && options_.sheet_only_file.empty() &&
-           !options_.is_list && request_.scene->pixels() <= max_kept_pixels;
+    return study_.scene->mesh != nullptr && paint.names_worst_ray() && options_.sheet_only_file.empty() &&
+           !options_.is_list && study_.scene->pixels() <= max_kept_pixels;
 }
 
-/// Makes the columns series by series, in the order in which they are drawn.
+/// Makes the columns form by form, in the order in which they are drawn.
 std::vector<MapPictures::Column> MapPictures::make_columns() {
     std::vector<Column> columns;
-    for (std::size_t r = 0; r < request_.tested_forms.size(); ++r) {
-        const TestedForm& tested_form = request_.tested_forms[r];
+    for (std::size_t r = 0; r < study_.tested_forms.size(); ++r) {
+        const TestedForm& tested_form = study_.tested_forms[r];
         for (const Metric* m : options_.drawn_metrics) {
             const auto paint = std::make_shared<const MetricPaint>(*m, tested_form.format.parameters, options_.range);
             if (!paint->applies_to(tested_form)) continue;
@@ -128,7 +128,7 @@ std::vector<MapPictures::Column> MapPictures::make_columns() {
             const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*tested_form.form->info)),
                                                 find_or_add(sheet->lines, sheet->line_name(tested_form, *m)),
                                                 static_cast<std::size_t>(sheet - sheets_.begin())};
-            drawings_.push_back({r, index_of(request_.metrics, m), paint, position});
+            drawings_.push_back({r, index_of(study_.metrics, m), paint, position});
             columns.push_back(make_column(drawings_.back()));
         }
     }
@@ -136,11 +136,12 @@ std::vector<MapPictures::Column> MapPictures::make_columns() {
 }
 
 MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
-    const scene::file::Scene& scene = *request_.scene;
-    const TestedForm& tested_form = request_.tested_forms[drawing.form_index];
+    const scene::file::Scene& scene = *study_.scene;
+    const TestedForm& tested_form = study_.tested_forms[drawing.form_index];
     const Metric& m = drawing.paint->metric();
     pixel::ColumnSpec spec{
-        .file = row_name(tested_form) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) + ".png",
+        .file = tested_form_name(tested_form) + (options_.drawn_metrics.size() == 1 ? "" : "." + file_name_part(m)) +
+                ".png",
         .title = fmt::format("{} in {}: {}{}", tested_form.form->info->name, tested_form.format.name, m.name,
                              m.domain == measure::metric::MetricDomain::pairs
                                  ? fmt::format(" {}", tested_form.against->info->name)
@@ -172,7 +173,7 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
 }
 
 pixel::Look MapPictures::make_look(const Drawing& drawing) const {
-    pixel::Look look = drawing.paint->look(request_.scene->mesh != nullptr);
+    pixel::Look look = drawing.paint->look(study_.scene->mesh != nullptr);
     look.unit = drawing.paint->metric().unit;
     if (!options_.sheet_only_file.empty()) look.categories[drawing.paint->index_of(Outcome::agree_hit)].name.clear();
     if (draws_envelope_of(drawing.paint->metric()))
@@ -190,7 +191,7 @@ bool MapPictures::draws_envelope_of(const Metric& metric) const {
 /// scene.
 std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const {
     if (!drawing.paint->names_worst_ray()) return "";
-    const TestedForm& tested_form = request_.tested_forms[drawing.form_index];
+    const TestedForm& tested_form = study_.tested_forms[drawing.form_index];
     const std::string text = fmt::format("; worst pixel {},{}", worst.x, worst.y);
     if (!tested_form.form->record || options_.scene_arguments.empty()) return text;
     return text + ": " +
@@ -199,7 +200,8 @@ std::string MapPictures::worst_pixel_text(const Drawing& drawing, const measure:
                tested_form);
 }
 
-pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormSummary>& summaries) const {
+pixel::FinishedSheet MapPictures::describe_finished_sheet(std::size_t sheet,
+                                                          const std::vector<FormSummary>& summaries) const {
     std::vector<SheetCell> cells;
     bool nothing_hit = options_.sheet_only_file.empty();
     for (const Drawing& drawing : drawings_) {
@@ -212,7 +214,7 @@ pixel::SheetEnd MapPictures::make_end(std::size_t sheet, const std::vector<FormS
     // The sheet of a claim needs no headline, because it stands below the claim's sentence.
     const bool has_headline = options_.sheet_only_file.empty() && sheets_[sheet].paint.metric().name == "lost_bits";
     return {best_first(sheets_[sheet].forms.size(), cells, lost_bits_index_),
-            nothing_hit ? ": no ray hits anything" : "", has_headline ? finding_text(request_, summaries) : ""};
+            nothing_hit ? ": no ray hits anything" : "", has_headline ? finding_text(study_, summaries) : ""};
 }
 
 void MapPictures::finish(const std::vector<FormSummary>& summaries) {
@@ -228,8 +230,8 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
             files_.writer().set_zoom(drawing.position, static_cast<int>(worst->x), worst->y);
     }
 
-    std::vector<pixel::SheetEnd> ends;
-    for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(make_end(s, summaries));
+    std::vector<pixel::FinishedSheet> ends;
+    for (std::size_t s = 0; s < sheets_.size(); ++s) ends.push_back(describe_finished_sheet(s, summaries));
     files_.writer().finish(ends);
 }
 

@@ -1,6 +1,6 @@
-// The pictures of a map, on contact sheets and alone: one pixel column for each series (a form in a format) and metric.
-// Also the text above and below them: what percentages are of, what colours and words mean, and which inputs were
-// rounded before.
+// The pictures of a map, on contact sheets and alone: one column of pixels for each form in a format and metric. Also
+// the text above and below them: what percentages are of, what colours and words mean, and which inputs were rounded
+// before.
 #pragma once
 
 #include <memory>
@@ -53,7 +53,7 @@ struct SheetCell {
     const FormSummary* summary;
 };
 /// Order of forms on a sheet: fewest wrong decisions first, then the least p99 of lost bits, whose metric has the index
-/// `lost_bits_index` in the request. Equal forms keep their order. If a form has several cells, the first one counts.
+/// `lost_bits_index` in the study. Equal forms keep their order. If a form has several cells, the first one counts.
 [[nodiscard]] std::vector<std::size_t> best_first(std::size_t form_count, std::span<const SheetCell> cells,
                                                   std::size_t lost_bits_index);
 
@@ -74,34 +74,35 @@ struct MapSheet {
 class MapPictures {
 public:
     /// Both arguments must outlive the object.
-    MapPictures(const MapStudy& request, const MapFilesOptions& options);
+    MapPictures(const MapStudy& study, const MapFilesOptions& options);
 
-    /// Files of the columns. The first picture of a row is also its preview.
+    /// Files of the columns. The first picture of a form in a format is also its preview.
     [[nodiscard]] pixel::PictureWriter<BandResult>& files() { return files_; }
-    /// Draws the pages and gives the files their final names.
+    /// Draws the sheets and gives the files their final names.
     void finish(const std::vector<FormSummary>& summaries);
 
 private:
-    using Column = pixel::PixelColumn<BandResult>;
-    /// Subject of a column: a metric of a series, and its cell on a sheet.
+    using Column = pixel::DrawnColumn<BandResult>;
+    /// Subject of a column: a metric of a form in a format, and its cell on a sheet.
     struct Drawing {
-        std::size_t form_index, metric_index;  ///< in the request
+        std::size_t form_index, metric_index;  ///< in the study
         std::shared_ptr<const MetricPaint> paint;
         pixel::SheetPosition position;
     };
-    [[nodiscard]] pixel::Pages make_pages();
+    [[nodiscard]] pixel::PictureFiles describe_files();
     [[nodiscard]] std::vector<Column> make_columns();
     [[nodiscard]] Column make_column(const Drawing& drawing) const;
     [[nodiscard]] pixel::Look make_look(const Drawing& drawing) const;
     [[nodiscard]] bool draws_envelope_of(const Metric& metric) const;
-    [[nodiscard]] pixel::Sheet make_page(MapSheet& sheet) const;
+    [[nodiscard]] pixel::SheetFile describe_sheet(MapSheet& sheet) const;
     [[nodiscard]] bool zooms(const MetricPaint& paint) const;
     [[nodiscard]] std::string worst_pixel_text(const Drawing& drawing, const measure::evaluate::WorstRay& worst) const;
-    [[nodiscard]] pixel::SheetEnd make_end(std::size_t sheet, const std::vector<FormSummary>& summaries) const;
+    [[nodiscard]] pixel::FinishedSheet describe_finished_sheet(std::size_t sheet,
+                                                               const std::vector<FormSummary>& summaries) const;
 
-    const MapStudy& request_;
+    const MapStudy& study_;
     const MapFilesOptions& options_;
-    /// Indices of metrics in the request. The index of a missing metric is the number of metrics.
+    /// Indices of metrics in the study. The index of a missing metric is the number of metrics.
     std::size_t lost_bits_index_, excess_index_;
     std::vector<MapSheet> sheets_;
     std::vector<Drawing> drawings_;  ///< one per column

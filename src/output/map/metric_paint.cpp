@@ -9,8 +9,8 @@
 #include "measure/answer/against.hpp"
 #include "measure/attribution/culprits.hpp"
 #include "output/file/number_text.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_tables.hpp"
-#include "output/map/row_names.hpp"
 #include "text/count_with_noun.hpp"
 
 namespace lostbits::output::map {
@@ -124,7 +124,8 @@ bool MetricPaint::applies_to(const TestedForm& tested_form) const {
     const bool is_machine_format = !tested_form.format.is_emulated();
     if ((metric_->needs & measure::metric::needs_bound) && (tested_form.form->bounded == nullptr || !is_machine_format))
         return false;
-    if ((metric_->needs & measure::metric::needs_filter_arithmetic) && tested_form.form->filter_arithmetic == nullptr)
+    if ((metric_->needs & measure::metric::needs_deciding_arithmetic) &&
+        tested_form.form->deciding_arithmetic == nullptr)
         return false;
     return metric_->domain != MetricDomain::marches || !is_primitive(tested_form.form->shape);
 }
@@ -184,7 +185,7 @@ std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts
         entries.push_back({shorten(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
                            std::to_string(counts.front())});
     if (other_rays > 0)
-        entries.push_back({"other operations, each in its own colour", image::style::page,
+        entries.push_back({"other operations, each in its own colour", image::style::background,
                            pixel::count_text(other_rays, blamed_rays)});
 
     // Rays with these outcomes have no culprit; all others may have one.
@@ -268,14 +269,14 @@ std::string MetricPaint::hit_summary(const FormSummary& summary,
     if (hits.agreed_count == 0) {
         add(hits.true_hit_count == 0 ? "no ray hits" : "no correct hit");
     } else if (!hits.is_enough()) {
-        add("no p99: " + hits.too_few());
+        add("no p99: " + hits.too_few_text());
     } else if (distribution.count() == 0) {
         add("no value");
     } else {
         const double p99 = distribution.quantile(0.99);
         add("p99 " +
             (metric_->name == "lost_bits" ? lost_and_kept(p99, precision_) : short_number(p99) + unit_suffix()));
-        add(measure::metric::Agreement{distribution.count(), hits.true_hit_count}.of_agreed_hits());
+        add(measure::metric::Agreement{distribution.count(), hits.true_hit_count}.of_agreed_hits_text());
     }
     return text;
 }

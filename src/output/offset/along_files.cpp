@@ -43,8 +43,8 @@ void OffsetsAlongAxisWriter::add(double axis_value, std::vector<OffsetSummary> s
 }
 
 std::filesystem::path OffsetsAlongAxisWriter::picture_path(std::size_t form_index, Side side, const char* kind) const {
-    return folder_ / fmt::format("along.{}.{}.{}.{}.png", name_of(axis_), row_name(study_.tested_forms[form_index]),
-                                 name_of(side), kind);
+    return folder_ / fmt::format("along.{}.{}.{}.{}.png", name_of(axis_),
+                                 offset_form_name(study_.tested_forms[form_index]), name_of(side), kind);
 }
 
 plot::LinePlotSpec OffsetsAlongAxisWriter::make_spec(std::size_t form_index, Side side, const std::string& title,

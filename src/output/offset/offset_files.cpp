@@ -7,7 +7,7 @@
 
 #include "measure/offset/offsets.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "text/count_with_noun.hpp"
 
@@ -18,7 +18,7 @@ using measure::offset::both_sides;
 using measure::offset::Fault;
 using measure::offset::OffsetBand;
 using pixel::colour_of;
-using pixel::PixelColumn;
+using pixel::DrawnColumn;
 using pixel::PixelValue;
 using table::Table;
 
@@ -105,12 +105,12 @@ std::string points_text(const OffsetForm& offset_form) {
 }
 
 /// Column of the results of one strategy on one side.
-PixelColumn<OffsetBand> make_strategy_column(const OffsetStudy& study, std::size_t form_index, Side side,
+DrawnColumn<OffsetBand> make_strategy_column(const OffsetStudy& study, std::size_t form_index, Side side,
                                              std::size_t strategy_index, std::shared_ptr<const pixel::Look> look) {
     const Strategy& strategy = *study.strategies[strategy_index];
     return {
-        {.file =
-             fmt::format("{}.{}.{}.png", row_name(study.tested_forms[form_index]), name_of(side), short_name(strategy)),
+        {.file = fmt::format("{}.{}.{}.png", offset_form_name(study.tested_forms[form_index]), name_of(side),
+                             short_name(strategy)),
          .title = fmt::format("{} {}", strategy.name, side_phrase(side)),
          .subtitle = {points_text(study.tested_forms[form_index]), fmt::format("the new origin: {}", strategy.title)},
          .look = std::move(look),
@@ -122,9 +122,9 @@ PixelColumn<OffsetBand> make_strategy_column(const OffsetStudy& study, std::size
 }
 
 /// Column of the smallest safe offsets on one side.
-PixelColumn<OffsetBand> make_safe_offset_column(const OffsetStudy& study, std::size_t form_index, Side side,
+DrawnColumn<OffsetBand> make_safe_offset_column(const OffsetStudy& study, std::size_t form_index, Side side,
                                                 std::shared_ptr<const pixel::Look> look) {
-    return {{.file = fmt::format("{}.{}.safe.png", row_name(study.tested_forms[form_index]), name_of(side)),
+    return {{.file = fmt::format("{}.{}.safe.png", offset_form_name(study.tested_forms[form_index]), name_of(side)),
              .title = fmt::format("The smallest safe offset {}", side_phrase(side)),
              .subtitle = {points_text(study.tested_forms[form_index]),
                           "colour: the smallest offset along the normal for which every ray is right by truth, clamped "
@@ -142,20 +142,20 @@ std::string short_name(const Strategy& strategy) {
     return std::string(strategy.name.substr(strategy.name.find('.') + 1));
 }
 
-std::string row_name(const OffsetForm& offset_form) {
-    return fmt::format("{}.{}", map::row_name(offset_form.tested_form), name_of(offset_form.point_kind));
+std::string offset_form_name(const OffsetForm& offset_form) {
+    return fmt::format("{}.{}", map::tested_form_name(offset_form.tested_form), name_of(offset_form.point_kind));
 }
 
-std::string OffsetPresentation::row_name(const OffsetStudy& study, std::size_t form_index) {
-    return offset::row_name(study.tested_forms[form_index]);
+std::string OffsetPresentation::file_stem(const OffsetStudy& study, std::size_t form_index) {
+    return offset::offset_form_name(study.tested_forms[form_index]);
 }
 
 std::string side_phrase(Side side) { return side == Side::outside ? "away from the primitive" : "into the primitive"; }
 
-std::vector<PixelColumn<OffsetBand>> OffsetPresentation::columns(const OffsetStudy& study) {
+std::vector<DrawnColumn<OffsetBand>> OffsetPresentation::columns(const OffsetStudy& study) {
     const auto result_look = std::make_shared<const pixel::Look>(make_strategy_result_look());
     const auto safe_offset_look = std::make_shared<const pixel::Look>(make_safe_offset_look());
-    std::vector<PixelColumn<OffsetBand>> columns;
+    std::vector<DrawnColumn<OffsetBand>> columns;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) {
         for (const Side side : both_sides) {
             for (std::size_t k = 0; k < study.strategies.size(); ++k)
@@ -166,7 +166,7 @@ std::vector<PixelColumn<OffsetBand>> OffsetPresentation::columns(const OffsetStu
     return columns;
 }
 
-pixel::Sheet OffsetPresentation::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
+pixel::SheetFile OffsetPresentation::sheet(const OffsetStudy& study, const std::filesystem::path& file) {
     image::SheetSpec spec{
         .title = study.scene.title,
         .subtitle = {fmt::format("{}, {} x {} pixels: outcomes of rays that leave the points that a form finds",

@@ -1,5 +1,5 @@
 // Files of offsets over a scene: pictures, the contact sheet, one row per pixel, and summary.csv. For offsets along an
-// axis: a table, and two plots for each series (a form in a format) and side.
+// axis: a table, and two plots for each offset form (a form in a format, with a kind of point) and side.
 #pragma once
 
 #include <filesystem>
@@ -23,8 +23,8 @@ using measure::offset::Strategy;
 
 /// Name of a strategy without its prefix: `integer` for `offset.integer`.
 [[nodiscard]] std::string short_name(const Strategy& strategy);
-/// Name of a series, such as `sphere.half_b.f32.computed`.
-[[nodiscard]] std::string row_name(const OffsetForm& offset_form);
+/// Name of an offset form, such as `sphere.half_b.f32.computed`.
+[[nodiscard]] std::string offset_form_name(const OffsetForm& offset_form);
 /// Phrase for a side: `away from the primitive`, `into the primitive`.
 [[nodiscard]] std::string side_phrase(Side side);
 
@@ -55,10 +55,10 @@ struct OffsetPresentation {
     static table::Table<StrategyRow> summary_table();
     /// One row for every strategy on every side.
     static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
-    static std::string row_name(const Study& study, std::size_t form_index);
+    static std::string file_stem(const Study& study, std::size_t form_index);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
-    static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
-    static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
+    static std::vector<pixel::DrawnColumn<Band>> columns(const Study& study);
+    static pixel::SheetFile sheet(const Study& study, const std::filesystem::path& file);
     static std::vector<study::Note> notes(const Study& study, const std::vector<OffsetSummary>& summaries);
     static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
     static bool has_row(const Band& band, std::size_t i) { return band.is_point[i] != 0; }
@@ -76,7 +76,7 @@ struct AlongRow {
     StrategyRow strategy_row;
 };
 
-/// Writes `along.<axis>.csv`, which is the summary preceded by the value on the axis, and two plots per series and
+/// Writes `along.<axis>.csv`, which is the summary preceded by the value on the axis, and two plots per offset form and
 /// side: `along.<axis>.<row>.<side>.wrong.png` with the fraction of rays that go wrong, and `….size.png` with the
 /// offsets and the smallest safe offset.
 class OffsetsAlongAxisWriter {

@@ -10,31 +10,31 @@ namespace lostbits::output::pixel {
 
 using image::LegendEntry;
 
-ColumnWriter::ColumnWriter(Pages pages, std::vector<ColumnSpec> columns)
-    : width_(static_cast<std::size_t>(pages.scene.width)),
-      pixels_(pages.scene.pixels()),
-      has_single_pictures_(!pages.single_picture_folder.empty()),
+ColumnWriter::ColumnWriter(PictureFiles files, std::vector<ColumnSpec> columns)
+    : width_(static_cast<std::size_t>(files.scene.width)),
+      pixels_(files.scene.pixels()),
+      has_single_pictures_(!files.single_picture_folder.empty()),
       columns_(std::move(columns)),
       captions_(columns_.size()) {
     for (const ColumnSpec& column : columns_) counts_.emplace_back(column.look->categories.size());
-    if (!pages.opens_files) return;
+    if (!files.opens_files) return;
 
-    for (auto& [file, spec] : pages.sheets) {
-        spec.field_width = pages.scene.width;
-        spec.field_height = pages.scene.height;
+    for (auto& [file, spec] : files.sheets) {
+        spec.field_width = files.scene.width;
+        spec.field_height = files.scene.height;
         sheets_.push_back(std::make_unique<image::ContactSheet>(file, std::move(spec)));
     }
 
     for (const ColumnSpec& column : columns_) {
         if (!has_single_pictures_) break;
-        pages.stop.check();  // opening sixty pictures of a large scene takes twenty seconds
-        open_single(pages, column);
+        files.stop.check();  // opening sixty pictures of a large scene takes twenty seconds
+        open_single(files, column);
     }
 }
 
-void ColumnWriter::open_single(const Pages& pages, const ColumnSpec& column) {
-    const scene::file::Scene& scene = pages.scene;
-    const auto path = pages.single_picture_folder / column.file;
+void ColumnWriter::open_single(const PictureFiles& files, const ColumnSpec& column) {
+    const scene::file::Scene& scene = files.scene;
+    const auto path = files.single_picture_folder / column.file;
     SinglePicture& single = single_pictures_.emplace_back();
     if (column.has_only_pixels) {
         single.png = image::image_backend().open_png(path, scene.width, scene.height);
@@ -115,13 +115,13 @@ void ColumnWriter::finish_single(std::size_t c) {
     else single_pictures_[c].png->close();
 }
 
-void ColumnWriter::finish(const std::vector<SheetEnd>& ends) {
+void ColumnWriter::finish(const std::vector<FinishedSheet>& ends) {
     // The pictures are finished in parallel: each has its own legend and its own file.
     intersect::process::in_parallel(std::size_t{0}, single_pictures_.size(),
                                     [this](std::size_t c) { finish_single(c); });
 
     for (std::size_t s = 0; s < sheets_.size(); ++s) {
-        const SheetEnd end = ends.empty() ? SheetEnd{} : ends[s];
+        const FinishedSheet end = ends.empty() ? FinishedSheet{} : ends[s];
         auto legend = sheet_legend(s);
         if (!legend.empty()) legend.front().label += end.remark;
         sheets_[s]->finish(legend, end.order, end.headline);

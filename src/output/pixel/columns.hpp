@@ -45,8 +45,8 @@ void fields(Archive& archive, Strip& strip) {
     archive(colours, counts);
 }
 
-/// A sheet of columns.
-struct Sheet {
+/// File and description of a contact sheet.
+struct SheetFile {
     std::filesystem::path file;
     image::SheetSpec spec;  ///< without the size of the cells, which is added later
 };
@@ -68,17 +68,17 @@ struct SceneFilesOptions {
     }
 };
 
-/// Properties of a sheet that are known only when all cells are drawn.
-struct SheetEnd {
+/// Order and texts of a sheet that are known only when all cells are drawn.
+struct FinishedSheet {
     std::vector<std::size_t> order = {};  ///< order of the sheet's cells across; see `ContactSheet::finish`
     std::string remark = {};              ///< appended to the first entry of the sheet's legend
     std::string headline = {};            ///< what the sheet shows; see `ContactSheet::finish`
 };
 
-/// The sheets of a scene's columns, and the folder of the columns' own pictures.
-struct Pages {
+/// The files that show the columns of a scene: the contact sheets, and the columns' own pictures.
+struct PictureFiles {
     const scene::file::Scene& scene;
-    std::vector<Sheet> sheets;
+    std::vector<SheetFile> sheets;
     std::filesystem::path single_picture_folder = {};  ///< folder of the columns' own pictures; empty: they have none
     intersect::process::StopToken stop = {};
     bool opens_files = true;  ///< false in a shard, which only draws the strips
@@ -88,7 +88,7 @@ struct Pages {
 class ColumnWriter {
 public:
     /// Opens every file.
-    ColumnWriter(Pages pages, std::vector<ColumnSpec> columns);
+    ColumnWriter(PictureFiles files, std::vector<ColumnSpec> columns);
 
     [[nodiscard]] const Look& look(std::size_t column) const { return *columns_[column].look; }
     /// True if any file shows the column.
@@ -112,12 +112,12 @@ public:
     /// Sets the text below a column's own picture. The picture shows it only if its `widest_caption` reserved space.
     void set_caption(std::size_t column, std::string caption) { captions_[column] = std::move(caption); }
     /// Gives all files their final names. `ends` has one entry per sheet, or is empty.
-    void finish(const std::vector<SheetEnd>& ends = {});
+    void finish(const std::vector<FinishedSheet>& ends = {});
 
 private:
     /// Legend of a sheet: the categories that have a pixel.
     [[nodiscard]] std::vector<image::LegendEntry> sheet_legend(std::size_t sheet) const;
-    void open_single(const Pages& pages, const ColumnSpec& column);
+    void open_single(const PictureFiles& files, const ColumnSpec& column);
     void finish_single(std::size_t column);
 
     struct SinglePicture {
@@ -134,11 +134,11 @@ private:
     std::vector<std::unique_ptr<image::ContactSheet>> sheets_;
 };
 
-/// A column that is drawn from bands.
+/// A column, and the function that draws it from the bands of a form.
 template <class Band>
-struct PixelColumn {
+struct DrawnColumn {
     ColumnSpec spec;
-    std::size_t row = 0;  ///< the row of the study whose bands it draws
+    std::size_t form_index = 0;  ///< the form of the study whose bands it draws
     std::function<void(const Band&, const Look&, Strip&)> draw;
 };
 
@@ -154,14 +154,14 @@ std::function<void(const Band&, const Look&, Strip&)> make_draw_function(PixelOf
     };
 }
 
-/// The columns of all rows of a study, and the files that show them.
+/// The columns of all forms of a study, and the files that show them.
 template <class Band>
 class PictureWriter {
 public:
-    PictureWriter(Pages pages, std::vector<PixelColumn<Band>> columns)
-        : columns_(std::move(columns)), writer_(std::move(pages), collect_specs(columns_)) {}
+    PictureWriter(PictureFiles files, std::vector<DrawnColumn<Band>> columns)
+        : columns_(std::move(columns)), writer_(std::move(files), collect_specs(columns_)) {}
 
-    /// Draws this number of pixels of a row, one strip for each column of the row that a file shows.
+    /// Draws this number of pixels of a form, one strip for each column of the form that a file shows.
     [[nodiscard]] std::vector<Strip> draw(std::size_t form_index, const Band& band, std::size_t pixels) const {
         std::vector<Strip> strips;
         for (const std::size_t c : shown_columns(form_index)) {
@@ -170,7 +170,7 @@ public:
         }
         return strips;
     }
-    /// Writes these strips to the files from scanline `y0` on. Different rows may be written at the same time.
+    /// Writes these strips to the files from scanline `y0` on. Different forms may be written at the same time.
     void write_strips(std::size_t form_index, int y0, const std::vector<Strip>& strips) {
         std::size_t strip_index = 0;
         for (const std::size_t c : shown_columns(form_index)) writer_.write_strip(c, y0, strips.at(strip_index++));
@@ -181,15 +181,15 @@ private:
     [[nodiscard]] std::vector<std::size_t> shown_columns(std::size_t form_index) const {
         std::vector<std::size_t> shown;
         for (std::size_t c = 0; c < columns_.size(); ++c)
-            if (columns_[c].row == form_index && writer_.shows(c)) shown.push_back(c);
+            if (columns_[c].form_index == form_index && writer_.shows(c)) shown.push_back(c);
         return shown;
     }
-    static std::vector<ColumnSpec> collect_specs(const std::vector<PixelColumn<Band>>& columns) {
+    static std::vector<ColumnSpec> collect_specs(const std::vector<DrawnColumn<Band>>& columns) {
         std::vector<ColumnSpec> specs;
-        for (const PixelColumn<Band>& column : columns) specs.push_back(column.spec);
+        for (const DrawnColumn<Band>& column : columns) specs.push_back(column.spec);
         return specs;
     }
-    std::vector<PixelColumn<Band>> columns_;
+    std::vector<DrawnColumn<Band>> columns_;
     ColumnWriter writer_;
 };
 

@@ -53,12 +53,12 @@ int fitting_cell_width(const MatrixPlotSpec& spec) {
     return width;
 }
 
-void draw_cell(Canvas& page, int x, int y, int cell_width, const MatrixCell& cell) {
-    page.fill(x, y, cell_width - 1, cell_height - 1, cell.colour);
+void draw_cell(Canvas& canvas, int x, int y, int cell_width, const MatrixCell& cell) {
+    canvas.fill(x, y, cell_width - 1, cell_height - 1, cell.colour);
     if (cell.text.empty()) return;
     const TextBitmap text = image::image_backend().render_text(cell.text, image::style::small_size);
-    page.text(x + (cell_width - 1 - text.width) / 2, y + (cell_height - 1 - text.height) / 2, text,
-              ink_on(cell.colour));
+    canvas.text(x + (cell_width - 1 - text.width) / 2, y + (cell_height - 1 - text.height) / 2, text,
+                ink_on(cell.colour));
 }
 
 /// Rendered names of the rows, columns and groups, and the space that they need.
@@ -92,38 +92,38 @@ struct MatrixLayout {
 };
 
 /// Draws the names of the groups at `group_y`, and the names of the columns below them.
-void draw_column_names(Canvas& page, const MatrixPlotSpec& spec, const MatrixLabels& labels, const MatrixLayout& layout,
-                       int group_y) {
+void draw_column_names(Canvas& canvas, const MatrixPlotSpec& spec, const MatrixLabels& labels,
+                       const MatrixLayout& layout, int group_y) {
     std::size_t c = 0;
     for (std::size_t g = 0; g < spec.groups.size(); ++g) {
-        page.text(layout.x0 + layout.offsets[c], group_y, labels.groups[g], image::style::ink);
+        canvas.text(layout.x0 + layout.offsets[c], group_y, labels.groups[g], image::style::ink);
         for (std::size_t k = 0; k < spec.groups[g].columns.size(); ++k, ++c) {
             const TextBitmap& label = labels.columns[c];
-            page.text(layout.x0 + layout.offsets[c] + (layout.cell_width - 1 - label.width) / 2,
-                      layout.y0 - cell_label_gap / 2 - label.height, label, image::style::ink);
+            canvas.text(layout.x0 + layout.offsets[c] + (layout.cell_width - 1 - label.width) / 2,
+                        layout.y0 - cell_label_gap / 2 - label.height, label, image::style::ink);
         }
     }
 }
 
 /// Draws the names of the rows and the cells, and tells a script where the cells are.
-void draw_matrix_rows(Canvas& page, const MatrixPlotSpec& spec, const MatrixLabels& labels,
+void draw_matrix_rows(Canvas& canvas, const MatrixPlotSpec& spec, const MatrixLabels& labels,
                       const MatrixLayout& layout) {
     image::MarkData cells{spec.keys, {}};
     for (const int offset : layout.offsets)
         cells.x.insert(cells.x.end(), {layout.x0 + offset + 0.0, layout.x0 + offset + layout.cell_width - 1.0});
     for (std::size_t r = 0; r <= spec.rows.size(); ++r) cells.y.push_back(layout.row_y(r));
-    page.set_mark_data(std::move(cells));
+    canvas.set_mark_data(std::move(cells));
 
     const std::size_t columns = layout.offsets.size();
     for (std::size_t r = 0; r < spec.rows.size(); ++r) {
         const int y = layout.row_y(r);
         const TextBitmap& label = labels.rows[r];
-        page.text(layout.x0 - cell_label_gap - label.width, y + (cell_height - label.height) / 2, label,
-                  image::style::ink);
+        canvas.text(layout.x0 - cell_label_gap - label.width, y + (cell_height - label.height) / 2, label,
+                    image::style::ink);
         for (std::size_t k = 0; k < columns; ++k)
-            draw_cell(page, layout.x0 + layout.offsets[k], y, layout.cell_width, spec.cells[r * columns + k]);
+            draw_cell(canvas, layout.x0 + layout.offsets[k], y, layout.cell_width, spec.cells[r * columns + k]);
     }
-    page.clear_mark_data();
+    canvas.clear_mark_data();
 }
 
 }  // namespace
@@ -153,14 +153,14 @@ Canvas matrix_plot(const MatrixPlotSpec& spec) {
     const int group_y = image::style::margin + head.height() + block_gap;
     layout.y0 = group_y + labels.groups.front().height + labels.column_height + 2 * cell_label_gap;
     const int legend_y = layout.y0 + std::max(field_height, bar.height()) + block_gap;
-    Canvas page(content_width + 2 * image::style::margin, legend_y + legend.height() + image::style::margin);
-    page.draw_canvas(image::style::margin, image::style::margin, head);
+    Canvas canvas(content_width + 2 * image::style::margin, legend_y + legend.height() + image::style::margin);
+    canvas.draw_canvas(image::style::margin, image::style::margin, head);
 
-    draw_column_names(page, spec, labels, layout, group_y);
-    draw_matrix_rows(page, spec, labels, layout);
-    page.draw_canvas(layout.x0 + field_width + block_gap, layout.y0, bar);
-    page.draw_canvas(image::style::margin, legend_y, legend.draw(spec.legend));
-    return page;
+    draw_column_names(canvas, spec, labels, layout, group_y);
+    draw_matrix_rows(canvas, spec, labels, layout);
+    canvas.draw_canvas(layout.x0 + field_width + block_gap, layout.y0, bar);
+    canvas.draw_canvas(image::style::margin, legend_y, legend.draw(spec.legend));
+    return canvas;
 }
 
 namespace {
@@ -220,7 +220,7 @@ void draw_hatching(Canvas& field, const image::PixelBox& box, int phase) {
 /// Draws lines two pixels wide along the inner side of the border of the outlined cells, and a light line outside, so
 /// that the lines are visible on every colour. `column` and `row` return the pixel at which a cell begins.
 template <class Column, class Row>
-void draw_outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row row) {
+void draw_outline(Canvas& canvas, const PlanePlotSpec& spec, Column column, Row row) {
     const std::size_t columns = spec.x.size(), rows = spec.y.size();
     const auto is_outlined = [&](std::size_t i, std::size_t j) {  // the index before 0 wraps to one after the last
         return i < columns && j < rows && spec.cells[j * columns + i].is_outlined;
@@ -239,10 +239,10 @@ void draw_outline(Canvas& page, const PlanePlotSpec& spec, Column column, Row ro
 
                 // A side gets a line if the neighbour there is not outlined.
                 const int x0 = column(i), x1 = column(i + 1), y0 = row(j + 1), y1 = row(j);
-                if (!is_outlined(i - 1, j)) page.fill(x0 - outset, y0, line_width, y1 - y0, colour);
-                if (!is_outlined(i + 1, j)) page.fill(x1 + outset - line_width, y0, line_width, y1 - y0, colour);
-                if (!is_outlined(i, j + 1)) page.fill(x0, y0 - outset, x1 - x0, line_width, colour);
-                if (!is_outlined(i, j - 1)) page.fill(x0, y1 + outset - line_width, x1 - x0, line_width, colour);
+                if (!is_outlined(i - 1, j)) canvas.fill(x0 - outset, y0, line_width, y1 - y0, colour);
+                if (!is_outlined(i + 1, j)) canvas.fill(x1 + outset - line_width, y0, line_width, y1 - y0, colour);
+                if (!is_outlined(i, j + 1)) canvas.fill(x0, y0 - outset, x1 - x0, line_width, colour);
+                if (!is_outlined(i, j - 1)) canvas.fill(x0, y1 + outset - line_width, x1 - x0, line_width, colour);
             }
         }
     }
@@ -308,8 +308,8 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     frame.y = image::style::margin + head.height() + (head.height() > 0 ? image::style::gap : 0) + axes.top_margin();
     const int foot = 1 + axes.bottom_margin() + (legend.height() > 0 ? image::style::gap + legend.height() : 0) +
                      image::style::margin;
-    Canvas page(content_width + 2 * image::style::margin, frame.y + frame.height + foot);
-    page.draw_canvas(image::style::margin, image::style::margin, head);
+    Canvas canvas(content_width + 2 * image::style::margin, frame.y + frame.height + foot);
+    canvas.draw_canvas(image::style::margin, image::style::margin, head);
 
     // Draw the cells, and tell a script where they are.
     const auto pixel = [](double position) { return static_cast<int>(std::lround(position)); };
@@ -319,17 +319,17 @@ Canvas plane_plot(const PlanePlotSpec& spec) {
     image::MarkData cells{{}, {}};
     for (std::size_t i = 0; i < x_edges.size(); ++i) cells.x.push_back(column(i));
     for (std::size_t j = 0; j < y_edges.size(); ++j) cells.y.push_back(row(j));
-    page.set_mark_data(std::move(cells));
-    page.field({frame.x, frame.y, frame.width, frame.height}, frame.width, field.pixels());
-    page.clear_mark_data();
+    canvas.set_mark_data(std::move(cells));
+    canvas.field({frame.x, frame.y, frame.width, frame.height}, frame.width, field.pixels());
+    canvas.clear_mark_data();
 
     // Draw what lies over them and around them.
-    draw_outline(page, spec, column, row);
-    axes.draw(page, frame);
-    page.draw_canvas(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
-    page.draw_canvas(image::style::margin, page.height() - image::style::margin - legend.height(),
-                     legend.draw(entries));
-    return page;
+    draw_outline(canvas, spec, column, row);
+    axes.draw(canvas, frame);
+    canvas.draw_canvas(frame.x + frame.width + 1 + image::style::gap, frame.y - 1, bar);
+    canvas.draw_canvas(image::style::margin, canvas.height() - image::style::margin - legend.height(),
+                       legend.draw(entries));
+    return canvas;
 }
 
 }  // namespace lostbits::output::plot

@@ -12,7 +12,7 @@
 namespace lostbits::output::plot {
 
 struct MatrixCell {
-    image::Rgb8 colour = image::style::page;
+    image::Rgb8 colour = image::style::background;
     std::string text = {};  ///< `24/48`, in dark or light ink, whichever contrasts more
 };
 

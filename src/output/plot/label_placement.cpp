@@ -32,7 +32,7 @@ struct Leader {
 double length_of(const Leader& line) { return std::hypot(line.to.x - line.from.x, line.to.y - line.from.y); }
 
 /// Length of the part of a line inside a box, by the method of Liang and Barsky.
-double length_inside(const Leader& line, const Box2& box) {
+double length_inside(const Leader& line, const LabelBox& box) {
     double t_enter = 0, t_exit = 1;
     const auto clip = [&](double from, double to, double low, double high) {
         if (from == to) {
@@ -55,7 +55,7 @@ bool segments_cross(const Leader& a, const Leader& b) {
     return side(a, b.from) * side(a, b.to) < 0 && side(b, a.from) * side(b, a.to) < 0;
 }
 
-Box2 with_margin(const Box2& b, double margin) {
+LabelBox with_margin(const LabelBox& b, double margin) {
     return {b.x - margin, b.y - margin, b.width + 2 * margin, b.height + 2 * margin};
 }
 
@@ -63,14 +63,14 @@ class Placer {
 public:
     explicit Placer(const LabelLimits& limits) : limits_(limits) {}
 
-    std::optional<Box2> add(const LabelRequest& request) {
-        std::optional<Box2> best;
+    std::optional<LabelBox> add(const LabelRequest& request) {
+        std::optional<LabelBox> best;
         double min_price = 0;
         for (const double distance : distances) {
             for (const auto& [x, y] : directions) {
                 const double cx = request.point.x + x * (distance + request.width / 2),
                              cy = request.point.y + y * (distance + request.height / 2);
-                const Box2 box{cx - request.width / 2, cy - request.height / 2, request.width, request.height};
+                const LabelBox box{cx - request.width / 2, cy - request.height / 2, request.width, request.height};
                 if (!is_free(box, request.point)) continue;
                 const double price = distance + price_beyond_distance(box, request.point);
                 if (best && price >= min_price) continue;
@@ -89,22 +89,22 @@ public:
 private:
     /// Price of a label, without its distance: of the boxes that it covers, of a crossing of its leader with another,
     /// and of its leader over boxes.
-    double price_beyond_distance(const Box2& box, Point point) const {
+    double price_beyond_distance(const LabelBox& box, Point point) const {
         const Leader line{point, box.nearest(point)};
         double price = std::ranges::any_of(leaders_, [&](const Leader& other) { return segments_cross(line, other); })
                            ? price_of_crossing
                            : 0;
-        for (const Box2& avoided : limits_.avoided)
+        for (const LabelBox& avoided : limits_.avoided)
             price +=
                 (avoided.overlaps(box) ? price_per_cover : 0) + price_per_pixel_over_box * length_inside(line, avoided);
         return price;
     }
 
-    bool is_free(const Box2& box, Point point) const {
-        const auto overlaps_any = [](std::span<const Box2> boxes, const Box2& b) {
-            return std::ranges::any_of(boxes, [&b](const Box2& o) { return o.overlaps(b); });
+    bool is_free(const LabelBox& box, Point point) const {
+        const auto overlaps_any = [](std::span<const LabelBox> boxes, const LabelBox& b) {
+            return std::ranges::any_of(boxes, [&b](const LabelBox& o) { return o.overlaps(b); });
         };
-        const auto are_apart = [](const Leader& line, const Box2& label) {
+        const auto are_apart = [](const Leader& line, const LabelBox& label) {
             return length_inside(line, with_margin(label, min_line_distance)) == 0;
         };
 
@@ -112,21 +112,21 @@ private:
         return limits_.page.contains(box) && !overlaps_any(limits_.forbidden, box) &&
                !overlaps_any(labels_, with_margin(box, min_label_distance)) &&
                std::ranges::all_of(leaders_, [&](const Leader& line) { return are_apart(line, box); }) &&
-               std::ranges::all_of(labels_, [&](const Box2& label) { return are_apart(leader, label); });
+               std::ranges::all_of(labels_, [&](const LabelBox& label) { return are_apart(leader, label); });
     }
 
     const LabelLimits& limits_;
-    std::vector<Box2> labels_;
+    std::vector<LabelBox> labels_;
     std::vector<Leader> leaders_;
 };
 
 }  // namespace
 
-Point Box2::nearest(Point to) const { return {std::clamp(to.x, x, x + width), std::clamp(to.y, y, y + height)}; }
+Point LabelBox::nearest(Point to) const { return {std::clamp(to.x, x, x + width), std::clamp(to.y, y, y + height)}; }
 
-std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits) {
+std::vector<std::optional<LabelBox>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits) {
     Placer placer(limits);
-    std::vector<std::optional<Box2>> boxes;
+    std::vector<std::optional<LabelBox>> boxes;
     for (const LabelRequest& request : requests) boxes.push_back(placer.add(request));
     return boxes;
 }

@@ -10,13 +10,13 @@
 namespace lostbits::output::plot {
 
 /// Rectangle on a page, y downwards.
-struct Box2 {
+struct LabelBox {
     double x = 0, y = 0, width = 0, height = 0;
 
-    [[nodiscard]] bool overlaps(const Box2& o) const {
+    [[nodiscard]] bool overlaps(const LabelBox& o) const {
         return x < o.x + o.width && o.x < x + width && y < o.y + o.height && o.y < y + height;
     }
-    [[nodiscard]] bool contains(const Box2& o) const {
+    [[nodiscard]] bool contains(const LabelBox& o) const {
         return x <= o.x && y <= o.y && o.x + o.width <= x + width && o.y + o.height <= y + height;
     }
     /// Point of the box that is nearest to `to`.
@@ -30,9 +30,9 @@ struct LabelRequest {
 };
 
 struct LabelLimits {
-    Box2 page;                        ///< labels stay inside this box
-    std::span<const Box2> forbidden;  ///< labels never cover these
-    std::span<const Box2> avoided;    ///< covering one of these has a price
+    LabelBox page;                        ///< labels stay inside this box
+    std::span<const LabelBox> forbidden;  ///< labels never cover these
+    std::span<const LabelBox> avoided;    ///< covering one of these has a price
 };
 
 /// Places each label near its point. The result is nothing for a label without space. The method is greedy: in the
@@ -43,6 +43,6 @@ struct LabelLimits {
 /// - a price for each `avoided` box that the label covers,
 /// - a price if its leader crosses another leader,
 /// - a price for each pixel of its leader over an `avoided` box.
-std::vector<std::optional<Box2>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits);
+std::vector<std::optional<LabelBox>> place_labels(std::span<const LabelRequest> requests, const LabelLimits& limits);
 
 }  // namespace lostbits::output::plot

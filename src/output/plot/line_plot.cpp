@@ -290,14 +290,14 @@ private:
 };
 
 /// Page with the title, the subtitle, and a sentence that says why there is no plot.
-Canvas page_without_plot(const LinePlotSpec& spec) {
+Canvas canvas_without_plot(const LinePlotSpec& spec) {
     const int content_width = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width),
                  sentence = image::heading({}, std::span(&spec.empty_text, 1), content_width);
-    Canvas page(spec.width, 2 * image::style::margin + head.height() + image::style::gap + sentence.height());
-    page.draw_canvas(image::style::margin, image::style::margin, head);
-    page.draw_canvas(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
-    return page;
+    Canvas canvas(spec.width, 2 * image::style::margin + head.height() + image::style::gap + sentence.height());
+    canvas.draw_canvas(image::style::margin, image::style::margin, head);
+    canvas.draw_canvas(image::style::margin, image::style::margin + head.height() + image::style::gap, sentence);
+    return canvas;
 }
 
 /// The lines sorted by the heights at which they end, the highest first. Lines without a drawn point come last.
@@ -336,21 +336,21 @@ std::vector<std::string> make_footnotes(const LinePlotSpec& spec, std::size_t li
 }
 
 /// Draws dashed lines over solid ones, so that both are visible where they agree.
-void draw_lines(Canvas& page, LinePlotter& plotter, const std::vector<PlotLine>& lines, bool has_markers) {
+void draw_lines(Canvas& canvas, LinePlotter& plotter, const std::vector<PlotLine>& lines, bool has_markers) {
     std::vector<std::size_t> order(lines.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return !lines[i].dashes.empty(); });
     for (const auto i : order) {
-        if (!lines[i].keys.empty()) page.set_mark_data({lines[i].keys, {}});
-        plotter.draw_line(page, lines[i], has_markers, i);
+        if (!lines[i].keys.empty()) canvas.set_mark_data({lines[i].keys, {}});
+        plotter.draw_line(canvas, lines[i], has_markers, i);
     }
 }
 
 /// Writes the text for a plot without values in the middle of the frame.
-void draw_empty_text(Canvas& page, const LinePlotSpec& spec, const PlotFrame& frame) {
+void draw_empty_text(Canvas& canvas, const LinePlotSpec& spec, const PlotFrame& frame) {
     const auto text = image::image_backend().render_text(spec.empty_text, image::style::text_size);
-    page.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
-              image::style::soft_ink);
+    canvas.text(frame.x + (frame.width - text.width) / 2, frame.y + (frame.height - text.height) / 2, text,
+                image::style::soft_ink);
 }
 
 /// Heights at which the lines end, in pixels below the top of the frame; NaN for a line without a drawn point.
@@ -369,7 +369,7 @@ std::vector<double> end_heights(const std::vector<PlotLine>& lines, const AxisRa
 Canvas line_plot(const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200)
         throw std::invalid_argument("line plot: it needs at least 400 x 200 pixels");
-    if (spec.series.empty() && !spec.envelope) return page_without_plot(spec);
+    if (spec.series.empty() && !spec.envelope) return canvas_without_plot(spec);
 
     // Find the lines and the axes, and note in the legend where lines end.
     auto lines = plot_lines(spec.series);
@@ -409,30 +409,30 @@ Canvas line_plot(const LinePlotSpec& spec) {
     frame.height = std::max({spec.height - frame.y - foot, nominal_height / 2, legend.height()});
 
     // Draw the head, and the layers of the plot from back to front.
-    Canvas page(spec.width, frame.y + frame.height + foot);
-    page.draw_canvas(image::style::margin, image::style::margin, head);
+    Canvas canvas(spec.width, frame.y + frame.height + foot);
+    canvas.draw_canvas(image::style::margin, image::style::margin, head);
     LinePlotter plotter(spec, x, y, frame);
-    plotter.draw_shades(page);
-    if (spec.envelope) plotter.draw_envelope(page);
-    axes.draw_grid(page, frame);
-    plotter.draw_limit(page);
-    if (spec.envelope) plotter.draw_envelope_line(page);
-    for (const auto& line : lines) plotter.draw_band(page, line);
-    labels.draw(page, frame.y - 1, frame.y + frame.height);
-    draw_lines(page, plotter, lines, has_markers);
-    page.set_mark_data(plotter.step_positions());
-    axes.draw(page, frame);
-    page.clear_mark_data();
+    plotter.draw_shades(canvas);
+    if (spec.envelope) plotter.draw_envelope(canvas);
+    axes.draw_grid(canvas, frame);
+    plotter.draw_limit(canvas);
+    if (spec.envelope) plotter.draw_envelope_line(canvas);
+    for (const auto& line : lines) plotter.draw_band(canvas, line);
+    labels.draw(canvas, frame.y - 1, frame.y + frame.height);
+    draw_lines(canvas, plotter, lines, has_markers);
+    canvas.set_mark_data(plotter.step_positions());
+    axes.draw(canvas, frame);
+    canvas.clear_mark_data();
     if (std::ranges::all_of(lines, [&](const PlotLine& line) { return !line_end(line, x, y); }))
-        draw_empty_text(page, spec, frame);
+        draw_empty_text(canvas, spec, frame);
 
     // Draw the legend beside the ends of the lines, and the footnotes.
     legend.align(end_heights(lines_by_end_height, x, y, frame), frame.height);
     const int legend_x = spec.width - image::style::margin - legend.width();
-    plotter.draw_leaders(page, lines_by_end_height, legend, legend_x);
-    legend.draw(page, legend_x, frame.y);
-    page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
-    return page;
+    plotter.draw_leaders(canvas, lines_by_end_height, legend, legend_x);
+    legend.draw(canvas, legend_x, frame.y);
+    canvas.draw_canvas(image::style::margin, canvas.height() - image::style::margin - notes.height(), notes);
+    return canvas;
 }
 
 }  // namespace lostbits::output::plot

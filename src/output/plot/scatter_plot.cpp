@@ -41,12 +41,12 @@ void paint_marker(Canvas& canvas, Stroke& stroke, Point centre, const Marker& ma
     stroke.paint(canvas, marker.colour);
     if (!marker.is_hollow) return;
     stroke.disc(centre, hole_radius);
-    stroke.paint(canvas, image::style::page);
+    stroke.paint(canvas, image::style::background);
 }
 
-Box2 box_around(Point p, double half) { return {p.x - half, p.y - half, 2 * half, 2 * half}; }
+LabelBox box_around(Point p, double half) { return {p.x - half, p.y - half, 2 * half, 2 * half}; }
 
-Box2 box_around(Point a, Point b) {
+LabelBox box_around(Point a, Point b) {
     return {std::min(a.x, b.x) - 1, std::min(a.y, b.y) - 1, std::fabs(a.x - b.x) + 2, std::fabs(a.y - b.y) + 2};
 }
 
@@ -135,7 +135,7 @@ public:
 
     void draw_labels(Canvas& canvas) {
         // Labels never cover a point that is not faint. They avoid faint points and the bars.
-        std::vector<Box2> forbidden, avoided;
+        std::vector<LabelBox> forbidden, avoided;
         std::vector<LabelRequest> requests;
         std::vector<TextBitmap> texts;
         std::vector<Rgb8> colours;
@@ -159,7 +159,7 @@ public:
             avoided.push_back(box_around({b.x, a.y}, b));
         }
 
-        const Box2 area{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
+        const LabelBox area{frame_.x + 2.0, frame_.y + 2.0, frame_.width - 4.0, frame_.height - 4.0};
         const auto boxes = place_labels(requests, {area, forbidden, avoided});
         for (std::size_t i = 0; i < boxes.size(); ++i) {
             if (boxes[i]) draw_label(canvas, requests[i].point, *boxes[i], texts[i], colours[i]);
@@ -171,7 +171,7 @@ private:
         return {frame_.pixel_x(x_.position(x)), frame_.pixel_y(y_.position(y))};
     }
 
-    void draw_label(Canvas& canvas, Point point, const Box2& box, const TextBitmap& text, Rgb8 colour) {
+    void draw_label(Canvas& canvas, Point point, const LabelBox& box, const TextBitmap& text, Rgb8 colour) {
         const Point anchor = box.nearest(point);
         if (std::hypot(anchor.x - point.x, anchor.y - point.y) > min_leader_length) {
             const std::array<Point, 2> ends{point, anchor};
@@ -222,18 +222,18 @@ Canvas scatter_plot(const ScatterPlotSpec& spec) {
     frame.height = std::max(spec.height - frame.y - foot, 200);
 
     // Draw everything from back to front.
-    Canvas page(spec.width, frame.y + frame.height + foot);
-    page.draw_canvas(image::style::margin, image::style::margin, head);
-    axes.draw_grid(page, frame);
+    Canvas canvas(spec.width, frame.y + frame.height + foot);
+    canvas.draw_canvas(image::style::margin, image::style::margin, head);
+    axes.draw_grid(canvas, frame);
     ScatterPlotter plotter(spec, x, y, frame);
-    plotter.draw_points(page, ScatterPlotter::PointKind::faint);
-    plotter.draw_pareto_front(page);
-    plotter.draw_points(page, ScatterPlotter::PointKind::prominent);
-    plotter.draw_labels(page);
-    axes.draw(page, frame);
-    legend.draw(page, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);
-    page.draw_canvas(image::style::margin, page.height() - image::style::margin - notes.height(), notes);
-    return page;
+    plotter.draw_points(canvas, ScatterPlotter::PointKind::faint);
+    plotter.draw_pareto_front(canvas);
+    plotter.draw_points(canvas, ScatterPlotter::PointKind::prominent);
+    plotter.draw_labels(canvas);
+    axes.draw(canvas, frame);
+    legend.draw(canvas, image::style::margin, frame.y + frame.height + 1 + axes.bottom_margin() + image::style::gap);
+    canvas.draw_canvas(image::style::margin, canvas.height() - image::style::margin - notes.height(), notes);
+    return canvas;
 }
 
 }  // namespace lostbits::output::plot

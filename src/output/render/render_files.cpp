@@ -1,6 +1,6 @@
 #include "output/render/render_files.hpp"
 
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 
 namespace lostbits::output::render {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "measure/render/render.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/study/study_files.hpp"
 
 namespace lostbits::output::render {
@@ -57,12 +57,12 @@ struct RenderPresentation {
 
     static table::Table<StageRow> summary_table();
     static std::vector<StageRow> summary_rows(const Study& study, const std::vector<Study::Summary>& summaries);
-    static std::string row_name(const Study& study, std::size_t form_index) {
-        return map::row_name(study.tested_forms[form_index]);
+    static std::string file_stem(const Study& study, std::size_t form_index) {
+        return map::tested_form_name(study.tested_forms[form_index]);
     }
     static std::size_t pixels(const Band& band) { return band.seen.size(); }
-    static std::vector<pixel::PixelColumn<Band>> columns(const Study& study);
-    static pixel::Sheet sheet(const Study& study, const std::filesystem::path& file);
+    static std::vector<pixel::DrawnColumn<Band>> columns(const Study& study);
+    static pixel::SheetFile sheet(const Study& study, const std::filesystem::path& file);
     static std::vector<study::Note> notes(const Study& study, const std::vector<Study::Summary>& summaries);
     static pixel::ExrLayers<Band> layers(const Study& study);
     /// `command` is the command line that writes the files again.

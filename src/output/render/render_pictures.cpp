@@ -17,9 +17,9 @@ using measure::render::SeenContent;
 using measure::render::ShadeRule;
 using measure::render::Shadow;
 using pixel::colour_of;
+using pixel::DrawnColumn;
 using pixel::fraction_text;
 using pixel::Look;
-using pixel::PixelColumn;
 using pixel::PixelValue;
 using scene::file::Stage;
 
@@ -75,7 +75,7 @@ constexpr const char* sheet_note =
     "wrong colour: a byte differs from the certified picture; wrong sphere: another sphere is seen, none where there "
     "is one, or one where there is none";
 
-image::SheetSpec sheet_spec(const RenderStudy& study, const map::RowGrid& grid) {
+image::SheetSpec sheet_spec(const RenderStudy& study, const map::FormGrid& grid) {
     const scene::file::Scene& scene = study.scene;
     image::SheetSpec spec{.title = scene.title,
                           .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all pixels", scene.id,
@@ -99,7 +99,7 @@ public:
         for (std::size_t s = 0; s < study.stages.size(); ++s) add_reference(s);
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_row(r);
     }
-    [[nodiscard]] std::vector<PixelColumn<RenderBand>> release() { return std::move(columns_); }
+    [[nodiscard]] std::vector<DrawnColumn<RenderBand>> release() { return std::move(columns_); }
 
 private:
     /// The certified picture, which all rows share. It is drawn from the bands of the first row.
@@ -116,12 +116,12 @@ private:
     }
 
     void add_row(std::size_t r) {
-        const std::string name = map::row_name(study_.tested_forms[r]);
+        const std::string name = map::tested_form_name(study_.tested_forms[r]);
 
         // For each stage: the picture, and how far its colours differ from the certified ones.
         for (std::size_t s = 0; s < study_.stages.size(); ++s) {
             const std::string stage(name_of(study_.stages[s]));
-            const map::RowGrid::GridCell cell = grid_.cells[r];
+            const map::FormGrid::GridCell cell = grid_.cells[r];
             add({.file = fmt::format("{}.{}.png", stage, name),
                  .look = picture_look_,
                  .sheet_positions = {{1 + cell.form, s * grid_.formats.size() + cell.format}},
@@ -170,12 +170,12 @@ private:
     }
 
     const RenderStudy& study_;
-    map::RowGrid grid_;
+    map::FormGrid grid_;
     SharedLook picture_look_ = std::make_shared<const Look>(picture_look()),
                shadow_look_ = std::make_shared<const Look>(Look{shadow_categories()}),
                colour_look_ = difference_look(colour_map), normal_look_ = difference_look(normal_map),
                residual_look_ = difference_look(residual_map);
-    std::vector<PixelColumn<RenderBand>> columns_;
+    std::vector<DrawnColumn<RenderBand>> columns_;
 };
 
 }  // namespace
@@ -212,17 +212,17 @@ PixelValue pixel_of(const measure::render::PaintedPixel& p) {
     return {.colour = Rgb8{p.byte[0], p.byte[1], p.byte[2]}};
 }
 
-std::vector<PixelColumn<RenderBand>> RenderPresentation::columns(const RenderStudy& study) {
+std::vector<DrawnColumn<RenderBand>> RenderPresentation::columns(const RenderStudy& study) {
     return RenderColumnMaker(study).release();
 }
 
-pixel::Sheet RenderPresentation::sheet(const RenderStudy& study, const std::filesystem::path& file) {
-    return {file, sheet_spec(study, map::RowGrid(study.tested_forms))};
+pixel::SheetFile RenderPresentation::sheet(const RenderStudy& study, const std::filesystem::path& file) {
+    return {file, sheet_spec(study, map::FormGrid(study.tested_forms))};
 }
 
 std::vector<study::Note> RenderPresentation::notes(const RenderStudy& study,
                                                    const std::vector<RenderStudy::Summary>& summaries) {
-    const map::RowGrid grid(study.tested_forms);
+    const map::FormGrid grid(study.tested_forms);
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         for (std::size_t s = 0; s < summaries[r].size(); ++s)

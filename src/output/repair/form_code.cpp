@@ -191,7 +191,7 @@ std::string form_header(const Tape& tape, const Intersector& form_row, const For
     std::string body;
     for (const std::string& line : statements(tape, form_row)) body += "        " + line + "\n";
     std::string matrix;
-    if (form_row.is_placed)
+    if (form_row.has_transform_method)
         matrix = "        const auto& [M00, M01, M02, M03, M10, M11, M12, M13, M20, M21, M22, M23] = matrix;\n";
 
     return fmt::format(
@@ -200,10 +200,10 @@ std::string form_header(const Tape& tape, const Intersector& form_row, const For
         "    template <Number T>\n    static Hit<T> intersect(const Ray<T>& ray, const {}<T>& {}{}{}) {{\n{}"
         "        const Vec<T>&o = ray.origin, &d = ray.direction;\n{}{}    }}\n}};\n\n}}  // namespace "
         "lostbits::intersect::{}\n",
-        head_comment(texts), form_row.is_placed ? "#include <array>\n\n" : "",
+        head_comment(texts), form_row.has_transform_method ? "#include <array>\n\n" : "",
         texts.uses_two_words ? "#include \"number/wide/two_words.hpp\"\n" : "", shape.name, shape.name, shape.name,
         type_name(texts.name.substr(texts.name.find('.') + 1)), info_members(*form_row.info, texts), primitive,
-        shape.name, form_row.is_placed ? ", const std::array<T, 12>& matrix" : "",
+        shape.name, form_row.has_transform_method ? ", const std::array<T, 12>& matrix" : "",
         shape.takes_tmax ? ", const T& tmax" : "", conversion_declarations(body, texts), matrix, body, shape.name);
 }
 

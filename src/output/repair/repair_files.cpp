@@ -9,7 +9,7 @@
 #include "number/error.hpp"
 #include "output/choose/choice_files.hpp"
 #include "output/file/atomic_file.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/repair/form_code.hpp"
 #include "output/table/shared_columns.hpp"
 #include "output/trade/trade_files.hpp"
@@ -95,7 +95,7 @@ void set_prices(std::vector<FormRow>& rows, const RepairSummary& summary) {
         points.push_back(point_of(row));
     }
     const auto is_dominated = find_dominated(points);
-    for (std::size_t k = 0; k < timed_forms.size(); ++k) timed_forms[k]->is_on_front = !is_dominated[k];
+    for (std::size_t k = 0; k < timed_forms.size(); ++k) timed_forms[k]->is_on_pareto_front = !is_dominated[k];
 }
 
 }  // namespace
@@ -127,7 +127,7 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
     set_prices(rows, summary);
     for (std::size_t k = first_of_catalogue; k < rows.size(); ++k)
         rows[k].is_shown =
-            (rows[k].is_on_front || k == first_of_catalogue) && rows[k].tested_form.form != original_row.form;
+            (rows[k].is_on_pareto_front || k == first_of_catalogue) && rows[k].tested_form.form != original_row.form;
     return rows;
 }
 
@@ -244,7 +244,7 @@ Table<FormRow> form_table() {
         &R::price);
     return table.add(
         {"front", "true if no other form is at least as accurate and as fast in packs, and better in one of the two",
-         [](const R& r) { return when(r.price != nullptr, r.is_on_front); }});
+         [](const R& r) { return when(r.price != nullptr, r.is_on_pareto_front); }});
 }
 
 Table<MinimalRow> minimal_table() {
@@ -353,7 +353,7 @@ FormTexts make_texts(const RepairSummary& summary, const Proposal& proposal, con
         fmt::format("{} on every {} of {}.", choose::requirement_text(summary.request.requirement),
                     summary.request.scene ? "pixel" : "ray kept", summary.request.id()),
         "Made by " + command};
-    if (summary.request.tested_form.form->is_placed)
+    if (summary.request.tested_form.form->has_transform_method)
         head_lines.emplace_back(are_matrices_inverse(summary.request)
                                     ? "The matrix maps from the world to the primitive, row by row."
                                     : "The matrix maps from the primitive to the world, row by row.");

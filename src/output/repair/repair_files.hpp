@@ -45,7 +45,7 @@ struct RepairSummary {
 };
 
 /// Collects the results. Measures the catalogue and all margins, and makes the patches, but measures no times.
-RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
+RepairSummary summarise_repair(const measure::repair::RepairRequest& request,
                                const measure::repair::RepairResult& repair);
 
 /// A proposed repair: the form with the wider set, with the symmetric set, or rewritten. The symmetric set treats x, y
@@ -101,7 +101,7 @@ struct FormRow {
     bool meets_requirement = false;
     const Price* price = nullptr;  ///< null: not timed
     /// True if the form was timed, and no other is at least as accurate and as fast, and better in one of the two.
-    bool is_on_front = false;
+    bool is_on_pareto_front = false;
     const std::vector<NodeId>* wider_set = nullptr;  ///< operations of the wider or symmetric set; null for other rows
     /// True if the text shows the row. Of the catalogue, the text shows only the most accurate form and the forms on
     /// the Pareto front, and never the form that was repaired.

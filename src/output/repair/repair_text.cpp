@@ -21,7 +21,7 @@ using measure::attribution::TapeText;
 namespace {
 
 TapeText make_tape_text(const RepairSummary& summary) {
-    return {summary.repair.tape, input_names_of(*summary.request.tested_form.form), TapeText::Style::plain};
+    return {summary.repair.tape, input_names_of(*summary.request.tested_form.form), TapeText::TextStyle::plain};
 }
 
 /// `22.1 bits, no wrong decision`
@@ -300,8 +300,8 @@ std::string prices_text(const RepairSummary& summary) {
     std::string other_lines;
     for (const FormRow& row : form_rows(summary)) {
         if (!row.price || !row.is_shown) continue;
-        (row.is_on_front ? text : other_lines) +=
-            fmt::format("  {}{}: {}; {}.\n", row.is_on_front ? "* " : "",
+        (row.is_on_pareto_front ? text : other_lines) +=
+            fmt::format("  {}{}: {}; {}.\n", row.is_on_pareto_front ? "* " : "",
                         row.kind == "wider" ? "in " + wider_format_name(summary.repair.wider) : row.name,
                         quality_text(*row.quality, summary.request.requirement), price_text(*row.price, form_price));
     }
@@ -324,7 +324,7 @@ std::vector<std::string> changed_lines(const RepairSummary& summary, const Tape&
     return changed_lines(statements(summary.repair.tape, form), statements(changed, form, &summary.repair.tape));
 }
 
-RepairSummary summarize_repair(const measure::repair::RepairRequest& request,
+RepairSummary summarise_repair(const measure::repair::RepairRequest& request,
                                const measure::repair::RepairResult& repair) {
     RepairSummary summary{.request = request, .repair = repair, .catalogue = {}, .catalogue_quality = {}};
     for (const auto& [row, quality] : rank_catalogue(request)) {

@@ -20,7 +20,7 @@ constexpr std::size_t max_inlined_characters = 56;
 
 std::vector<std::string> input_names_of(const Intersector& form) {
     Primitive<double> primitive(form.shape);
-    if (form.is_placed) primitive.placed.emplace();
+    if (form.has_transform_method) primitive.transform.emplace();
     return intersect::table::input_names(form, intersect::Target<double>(primitive));
 }
 

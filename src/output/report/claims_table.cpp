@@ -28,8 +28,8 @@ using State = ClaimResult::State;
 
 template <class MapOrSweep>
 bool has_row(const MapOrSweep& section, const Claim& claim) {
-    return std::ranges::find(section.row_names, fmt::format("{}.{}", claim.form, claim.format)) !=
-           section.row_names.end();
+    return std::ranges::find(section.tested_form_names, fmt::format("{}.{}", claim.form, claim.format)) !=
+           section.tested_form_names.end();
 }
 
 /// Position of a claim's subject on the page: the anchor of an element for readers without scripts, and the view that

@@ -11,8 +11,8 @@
 #include "measure/truth/reach.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/image/exr_parts.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/row_names.hpp"
 
 namespace lostbits::output::report {
 
@@ -83,7 +83,7 @@ private:
 
 class MapData::Row {
 public:
-    Row(const MapStudy& request, const TestedForm& tested_form, std::size_t pixel_count, std::size_t group,
+    Row(const MapStudy& study, const TestedForm& tested_form, std::size_t pixel_count, std::size_t group,
         Group* group_to_fill)
         : tested_form_(tested_form),
           group_(group),
@@ -92,10 +92,10 @@ public:
           primitive_(4, pixel_count),
           t_(tested_form.format.engine == Format::Engine::native32 ? 4 : 8, pixel_count),
           error_sizes_(pixel_count, std::numeric_limits<float>::quiet_NaN()) {
-        for (std::size_t m = 0; m < request.metrics.size(); ++m) {
+        for (std::size_t m = 0; m < study.metrics.size(); ++m) {
             stores_condition_ |=
-                (measure::evaluate::needs_of({request.metrics[m]}) & measure::metric::needs_condition) != 0;
-            const Metric& metric = *request.metrics[m];
+                (measure::evaluate::needs_of({study.metrics[m]}) & measure::metric::needs_condition) != 0;
+            const Metric& metric = *study.metrics[m];
             if (is_inherent_bits(metric)) inherent_index_ = m;
             if (metric.name == "ulp_error") ulp_error_index_ = m;
             if (!is_derived(metric) && !is_condition(metric)) stored_metrics_.push_back({m, Layer(4, pixel_count)});
@@ -182,16 +182,16 @@ private:
     std::vector<StoredMetric> stored_metrics_;
 };
 
-MapData::MapData(const MapStudy& request) : request_(request) {
-    const std::size_t pixel_count = request.scene->pixels();
-    for (const TestedForm& tested_form : request.tested_forms) {
+MapData::MapData(const MapStudy& study) : study_(study) {
+    const std::size_t pixel_count = study.scene->pixels();
+    for (const TestedForm& tested_form : study.tested_forms) {
         const auto known_group = std::ranges::find_if(
             groups_, [&tested_form](const auto& g) { return g->kind == map::truth_kind(tested_form); });
         const auto g = static_cast<std::size_t>(known_group - groups_.begin());
         const bool is_first = known_group == groups_.end();
         if (is_first) groups_.push_back(std::make_unique<Group>(tested_form, pixel_count));
         rows_.push_back(
-            std::make_unique<Row>(request, tested_form, pixel_count, g, is_first ? groups_[g].get() : nullptr));
+            std::make_unique<Row>(study, tested_form, pixel_count, g, is_first ? groups_[g].get() : nullptr));
     }
 }
 
@@ -240,18 +240,18 @@ const char* coding_name(const Format& format) {
 }
 
 /// Quantiles of each metric that has numbers.
-Json statistics_json(const MapStudy& request, const FormSummary& s) {
+Json statistics_json(const MapStudy& study, const FormSummary& s) {
     Json statistics = Json::object();
-    for (std::size_t m = 0; m < request.metrics.size(); ++m) {
-        if (!request.metrics[m]->categories.empty()) continue;
-        statistics[std::string(request.metrics[m]->name)] =
+    for (std::size_t m = 0; m < study.metrics.size(); ++m) {
+        if (!study.metrics[m]->categories.empty()) continue;
+        statistics[std::string(study.metrics[m]->name)] =
             json_array(measure::metric::quantile_statistics,
                        [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
     }
     return statistics;
 }
 
-Json summary_json(const MapStudy& request, const TestedForm& tested_form, const FormSummary& s, std::size_t group,
+Json summary_json(const MapStudy& study, const TestedForm& tested_form, const FormSummary& s, std::size_t group,
                   const std::string& scene_with_size) {
     const FloatFormat& format = tested_form.format.parameters;
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
@@ -270,7 +270,7 @@ Json summary_json(const MapStudy& request, const TestedForm& tested_form, const 
             // its results
             {"outcomes", s.outcomes},
             {"true_hits", s.true_hits},
-            {"statistics", statistics_json(request, s)},
+            {"statistics", statistics_json(study, s)},
             {"worst_explain",
              worst ? attribution::explain_command(
                          attribution::explain_pixel_arguments(scene_with_size, static_cast<int>(worst->x), worst->y),
@@ -283,25 +283,24 @@ Json summary_json(const MapStudy& request, const TestedForm& tested_form, const 
 
 Json MapData::index(const std::vector<FormSummary>& summaries, bool has_scene_size,
                     const std::string& scene_with_size) const {
-    const scene::file::Scene& scene = *request_.scene;
+    const scene::file::Scene& scene = *study_.scene;
     Json rows = Json::array();
     for (std::size_t r = 0; r < rows_.size(); ++r)
-        rows.push_back(
-            summary_json(request_, request_.tested_forms[r], summaries[r], rows_[r]->group(), scene_with_size));
-    return {{"id", scene.id},
-            {"title", scene.title},
-            {"note", scene.note},
-            {"named", scene_with_size},
-            {"width", scene.width},
-            {"height", scene.height},
-            {"own_size", has_scene_size},
-            {"metrics",
-             json_array(request_.metrics, [&](const Metric* m) { return metric_json(*m, request_.tested_forms); })},
-            {"rows", std::move(rows)}};
+        rows.push_back(summary_json(study_, study_.tested_forms[r], summaries[r], rows_[r]->group(), scene_with_size));
+    return {
+        {"id", scene.id},
+        {"title", scene.title},
+        {"note", scene.note},
+        {"named", scene_with_size},
+        {"width", scene.width},
+        {"height", scene.height},
+        {"own_size", has_scene_size},
+        {"metrics", json_array(study_.metrics, [&](const Metric* m) { return metric_json(*m, study_.tested_forms); })},
+        {"rows", std::move(rows)}};
 }
 
-std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) const {
-    std::vector<Blob> result;
+std::vector<NamedData> MapData::named_data(const std::vector<FormSummary>& summaries) const {
+    std::vector<NamedData> result;
 
     // The truths, each shared by several rows.
     for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -310,16 +309,16 @@ std::vector<Blob> MapData::blobs(const std::vector<FormSummary>& summaries) cons
         for (const Layer* layer :
              {&group.decision, &group.primitive, &group.truth, &group.remainder, &group.bound, &group.condition})
             bytes += layer->planes();
-        result.push_back({fmt::format("truth:{}:{}", request_.scene->id, g), pack(bytes)});
+        result.push_back({fmt::format("truth:{}:{}", study_.scene->id, g), pack(bytes)});
     }
 
     // The rows. Only forms that can be recorded have operations.
     for (std::size_t r = 0; r < rows_.size(); ++r) {
-        const TestedForm& tested_form = request_.tested_forms[r];
-        const std::string name = fmt::format("{}:{}", request_.scene->id, map::row_name(tested_form));
+        const TestedForm& tested_form = study_.tested_forms[r];
+        const std::string name = fmt::format("{}:{}", study_.scene->id, map::tested_form_name(tested_form));
         if (tested_form.form->is_template()) {
-            const auto rays = choose_rays(summaries[r], rows_[r]->error_sizes(), request_.scene->width);
-            result.push_back({"rays:" + name, pack(compact_json(rays_json(request_, tested_form, rays)))});
+            const auto rays = choose_rays(summaries[r], rows_[r]->error_sizes(), study_.scene->width);
+            result.push_back({"rays:" + name, pack(compact_json(rays_json(study_, tested_form, rays)))});
         }
         result.push_back({"row:" + name, pack(rows_[r]->bytes())});
     }

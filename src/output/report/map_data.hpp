@@ -35,11 +35,10 @@ inline constexpr std::size_t parts_each_way = 4;
 
 /// The output of `explain` for each ray: its sentences, and its table with a row per operation. A compiled form has no
 /// operations.
-[[nodiscard]] Json rays_json(const MapStudy& request, const TestedForm& tested_form,
-                             const std::vector<ChosenRay>& rays);
+[[nodiscard]] Json rays_json(const MapStudy& study, const TestedForm& tested_form, const std::vector<ChosenRay>& rays);
 
 /// A packed piece of data, and the name by which the page finds it.
-struct Blob {
+struct NamedData {
     std::string name, packed;
 };
 
@@ -55,12 +54,12 @@ struct Blob {
 /// The page itself computes the metrics that are functions of t and t* alone (`derived_metrics`).
 class MapData {
 public:
-    explicit MapData(const MapStudy& request);
+    explicit MapData(const MapStudy& study);
     ~MapData();
     MapData(const MapData&) = delete;
     MapData& operator=(const MapData&) = delete;
 
-    /// Returns a function that receives the bands of the request's rows.
+    /// Returns a function that receives the bands of the study's rows.
     [[nodiscard]] measure::evaluate::ShowForms band_receiver();
 
     /// All data except the pixels; call this after the map. `has_scene_size`: the map has the scene's own size, so that
@@ -68,12 +67,12 @@ public:
     [[nodiscard]] Json index(const std::vector<FormSummary>& summaries, bool has_scene_size,
                              const std::string& scene_with_size) const;
     /// The pixels and the operations of the chosen rays; call this after the map.
-    [[nodiscard]] std::vector<Blob> blobs(const std::vector<FormSummary>& summaries) const;
+    [[nodiscard]] std::vector<NamedData> named_data(const std::vector<FormSummary>& summaries) const;
 
 private:
     struct Group;
     class Row;
-    const MapStudy& request_;
+    const MapStudy& study_;
     std::vector<std::unique_ptr<Group>> groups_;
     std::vector<std::unique_ptr<Row>> rows_;
 };

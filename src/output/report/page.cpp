@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "output/file/base64.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/row_names.hpp"
 #include "output/report/assets.hpp"
 #include "output/report/sweep_data.hpp"
 #include "output/report/text.hpp"
@@ -92,7 +92,7 @@ Json index_json(const Report& report) {
                     {"note", s.note},
                     {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
                     {"charts", json_array(s.charts, [](const Chart& c) { return c.name; })},
-                    {"rows", s.row_names}};
+                    {"rows", s.tested_form_names}};
     });
     json["statistics"] = sweep_statistics;
     json["trades"] = json_array(report.trades, [](const TradeSection& t) { return t.json; });
@@ -258,7 +258,7 @@ std::string results_table(const std::vector<MapSection>& maps) {
         text += fmt::format(
             "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
             "</a></th><td>{2}</td><td class=\"n\">{3} of {4}</td></tr>\n",
-            html(m.id), html(m.title), html(m.finding), m.wrong_row_count, m.row_names.size());
+            html(m.id), html(m.title), html(m.finding), m.wrong_row_count, m.tested_form_names.size());
     return text + end_table;
 }
 
@@ -366,7 +366,7 @@ std::string page(const Report& report) {
     text +=
         fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", compact_json(index_json(report)));
     for (const MapSection& m : report.maps) {
-        for (const Blob& b : m.blobs) text += blob_html(b.name, b.packed);
+        for (const NamedData& b : m.named_data) text += blob_html(b.name, b.packed);
     }
     for (const SweepSection& s : report.sweeps) text += blob_html("sweep:" + s.id, pack(compact_json(s.json)));
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);

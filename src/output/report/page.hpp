@@ -37,9 +37,9 @@ struct Chart {
 /// A map of a scene.
 struct MapSection {
     std::string id, title, note, source;
-    std::vector<std::string> row_names;  ///< `map::row_name` of each row
-    Json index;                          ///< from `MapData::index`
-    std::vector<Blob> blobs;
+    std::vector<std::string> tested_form_names;  ///< `map::tested_form_name` of each row
+    Json index;                                  ///< from `MapData::index`
+    std::vector<NamedData> named_data;
     std::string table;  ///< HTML, see `summary_table`
     Picture sheet;
     bool has_scene_size = true;  ///< the map has the scene's own size, so claims are measured on the same rays
@@ -53,7 +53,7 @@ struct SweepSection {
     enum class Kind { line, plane, cases };
     Kind kind = Kind::line;
     std::string id, title, note, source;
-    std::vector<std::string> row_names;          ///< `map::row_name` of each row
+    std::vector<std::string> tested_form_names;  ///< `map::tested_form_name` of each row
     std::vector<std::vector<double>> axes = {};  ///< values of each axis in the order of the page; empty for cases
     std::vector<std::string> cases = {};
     Json json = {};  ///< from `sweep_json`, `plane_json` or `case_json`
@@ -113,7 +113,7 @@ struct Report {
 
 /// Table of the forms and formats of a map: decisions, and p50, p99 and max of lost bits. If too few hits agree, the
 /// quantiles are withheld. Each number carries the decimal of the CSV.
-[[nodiscard]] std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries);
+[[nodiscard]] std::string summary_table(const MapStudy& study, const std::vector<FormSummary>& summaries);
 
 /// Table of every form and format, cheapest first: time, bits kept, wrong decisions, and whether it meets the
 /// requirement.

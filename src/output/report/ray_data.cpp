@@ -127,12 +127,12 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     return chosen;
 }
 
-Json rays_json(const MapStudy& request, const TestedForm& tested_form, const std::vector<ChosenRay>& rays) {
+Json rays_json(const MapStudy& study, const TestedForm& tested_form, const std::vector<ChosenRay>& rays) {
     const auto* const generator = scene::rays::generator_of(*tested_form.form);
-    const scene::file::Scene scene = generator ? with_ray_generator(*request.scene, *generator) : *request.scene;
+    const scene::file::Scene scene = generator ? with_ray_generator(*study.scene, *generator) : *study.scene;
     std::vector<Json> explained(rays.size());
     intersect::process::in_parallel(0, rays.size(), [&](std::size_t i) {
-        measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, request.limit);
+        measure::answer::OneRay ray(scene, rays[i].x, rays[i].y, study.limit);
         ray.set_touching(tested_form.touching);
         const Explanation explanation = measure::attribution::explain_alone(*tested_form.form, tested_form.format, ray);
         explained[i] =

@@ -83,9 +83,10 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
             for (const Onset& o : onsets) {
                 if (o.form_index != r || !o.found) continue;
                 const auto spread = o.spread();
-                row_onsets.push_back(Json::array(
-                    {o.event, o.statistic, number_json(o.threshold), o.from_start ? Json() : number_json(o.last_good),
-                     number_json(o.first_bad), number_json(spread.low), number_json(spread.high)}));
+                row_onsets.push_back(
+                    Json::array({o.event, o.statistic, number_json(o.threshold),
+                                 o.happens_at_start ? Json() : number_json(o.last_good), number_json(o.first_bad),
+                                 number_json(spread.low), number_json(spread.high)}));
             }
         });
 }
@@ -199,7 +200,7 @@ std::string onset_cell(const std::vector<Onset>& onsets, std::size_t form_index,
     });
     const bool is_found = onset != onsets.end() && onset->found;
     return fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",
-                       is_found && onset->from_start ? " (from the start)" : "");
+                       is_found && onset->happens_at_start ? " (from the start)" : "");
 }
 
 }  // namespace

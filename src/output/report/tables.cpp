@@ -6,7 +6,7 @@
 
 #include "measure/evaluate/summary_columns.hpp"
 #include "output/file/number_text.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/offset/offset_files.hpp"
 #include "output/repair/repair_files.hpp"
 #include "output/report/page.hpp"
@@ -78,7 +78,7 @@ std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& 
 std::string summary_table_row(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s,
                               const std::vector<ShownColumn>& count_columns, const auto& value) {
     std::string text =
-        fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::row_name(tested_form)),
+        fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::tested_form_name(tested_form)),
                     html(tested_form.form->info->name), tested_form.format.name);
 
     // Numbers of rays with each outcome.
@@ -88,7 +88,7 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
 
     // Quantiles are withheld if too few hits agree.
     if (s.true_hits > 0 && !s.agreement().is_enough()) {
-        text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few());
+        text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few_text());
     } else {
         for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
             text += fmt::format("<td class=\"n\">{}</td>", number_html(value(name)));
@@ -98,15 +98,15 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
 
 }  // namespace
 
-std::string summary_table(const MapStudy& request, const std::vector<FormSummary>& summaries) {
-    const auto columns = measure::evaluate::summary_columns(request.metrics);
-    const std::vector<ShownColumn> count_columns = count_columns_for(*request.scene);
+std::string summary_table(const MapStudy& study, const std::vector<FormSummary>& summaries) {
+    const auto columns = measure::evaluate::summary_columns(study.metrics);
+    const std::vector<ShownColumn> count_columns = count_columns_for(*study.scene);
     std::string text = summary_table_head(count_columns);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
         const auto value = [&](std::string_view name) {
             return measure::evaluate::find_column(columns, name)->value(summaries[r]);
         };
-        text += summary_table_row(*request.scene, request.tested_forms[r], summaries[r], count_columns, value);
+        text += summary_table_row(*study.scene, study.tested_forms[r], summaries[r], count_columns, value);
     }
     return text + end_table;
 }
@@ -166,7 +166,7 @@ std::string mend_table(const repair::RepairSummary& result) {
         if (!result.prices.empty()) {
             add_cell(row.price ? row.price->packed.median * 1e9 : NAN);
             add_cell(row.price ? row.price->single.median * 1e9 : NAN);
-            text += fmt::format("<td>{}</td>", row.is_on_front ? "yes" : row.price ? "no" : "");
+            text += fmt::format("<td>{}</td>", row.is_on_pareto_front ? "yes" : row.price ? "no" : "");
         }
         text += "</tr>\n";
     }

@@ -5,8 +5,8 @@
 #include "measure/check/claim.hpp"
 #include "measure/contract/suspect.hpp"
 #include "measure/edges/nearest.hpp"
+#include "measure/evaluate/bits_needed.hpp"
 #include "measure/evaluate/evaluate.hpp"
-#include "measure/evaluate/needed.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/judge/worst_rays.hpp"
 #include "measure/study/sums.hpp"
@@ -24,8 +24,8 @@ void fields(Archive& archive, T& value) { value.fields(archive); }
 
 LOSTBITS_FIELDS(Vec<double>, x, y, z)
 LOSTBITS_FIELDS(Ray<double>, origin, direction)
-LOSTBITS_FIELDS(Placement<double>, matrix, is_inverse, orientation)
-LOSTBITS_FIELDS(Primitive<double>, shape, numbers, placed)
+LOSTBITS_FIELDS(Transform<double>, matrix, is_inverse, orientation)
+LOSTBITS_FIELDS(Primitive<double>, shape, numbers, transform)
 LOSTBITS_FIELDS(OpenEnds, tmin, tmax)
 LOSTBITS_FIELDS(scene::rays::RayBlock, width, y0, y1, ox, oy, oz, dx, dy, dz, tmin, tmax, open_ends)
 LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_eps, cone, over_relaxation, max_steps,
@@ -34,8 +34,8 @@ LOSTBITS_FIELDS(intersect::MarchConstants<double>, hit_eps, max_dist, relative_e
 template <class Archive>
 void fields(Archive& archive, scene::rays::RayGroup& group) {
     // A group that names one ray holds its primitives itself. It has no mesh and no scene.
-    auto& [rays, primitives, march, paired, mesh, scene] = group;
-    archive(rays, primitives, march, paired);
+    auto& [rays, primitives, march, is_paired, mesh, scene] = group;
+    archive(rays, primitives, march, is_paired);
 }
 
 LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)

@@ -1,9 +1,10 @@
 // Files of a study of one scene: the contact sheet and its pictures, a table with one row per pixel, an EXR of each
-// series (a form in a format), and summary.csv. A presentation describes the files. It is a struct with these members:
+// tested form (a form in a format), and summary.csv. A presentation describes the files. It is a struct with these
+// members:
 //
 //   Study, SummaryRow                     the study, and a row of its summary.csv
 //   summary_title, summary_table(), summary_rows(study, summaries)
-//   row_name(study, row)                  the stem of the files of a row
+//   file_stem(study, form_index)          the stem of the files of a row
 //   pixels(band)                          the number of pixels of a band
 //   columns(study), sheet(study)          pictures of pixels, and the sheet that shows them
 //   notes(study, summaries)               the texts below the cells of the sheet
@@ -21,7 +22,7 @@
 #include "measure/study/study.hpp"
 #include "output/image/exr_book.hpp"
 #include "output/pixel/exr_layers.hpp"
-#include "output/pixel/row_files.hpp"
+#include "output/pixel/form_files.hpp"
 #include "output/table/table.hpp"
 
 namespace lostbits::output::study {
@@ -69,17 +70,17 @@ public:
                     Presentation::columns(study)) {
         if (!keep_piece_)
             table_.emplace(options_.folder, "summary.csv", Presentation::summary_title, Presentation::summary_table());
-        for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_row(r);
+        for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_form(r);
     }
     StudyWriter(const StudyWriter&) = delete;
     StudyWriter& operator=(const StudyWriter&) = delete;
 
     /// Returns the function that receives the bands of the study.
     [[nodiscard]] measure::study::ShowBand<Study> show() {
-        return [this](std::size_t form_index, const Band& band) { rows_[form_index].add_band(band); };
+        return [this](std::size_t form_index, const Band& band) { forms_[form_index].add_band(band); };
     }
     /// Writes the next piece of a row, which another run (a shard) kept.
-    void put(std::size_t form_index, pixel::Piece&& piece) { rows_.at(form_index).write_piece(piece); }
+    void put(std::size_t form_index, pixel::Piece&& piece) { forms_.at(form_index).write_piece(piece); }
 
     void finish(const std::vector<typename Study::Summary>& summaries) {
         for (const auto& book : books_) book->close();
@@ -88,15 +89,15 @@ public:
         pictures_.writer().finish();
         if (options_.folder.empty()) return;
         table_->add_all(Presentation::summary_rows(study_, summaries));
-        table::close_tables(options_.folder, study_.scene.title, *table_, rows_, options_.other_tables);
+        table::close_tables(options_.folder, study_.scene.title, *table_, forms_, options_.other_tables);
     }
 
 private:
     using Pixel = PixelInBand<Band>;
-    using Rows = pixel::RowWriter<Band, Pixel>;
+    using FormWriter = pixel::FormFilesWriter<Band, Pixel>;
 
-    void add_row(std::size_t r) {
-        typename Rows::Functions functions{.pixels = Presentation::pixels};
+    void add_form(std::size_t r) {
+        typename FormWriter::Functions functions{.pixels = Presentation::pixels};
         pixel::BandFiles<Band> files{pictures_, {}, keep_piece_};
 
         // The table of pixels, if the presentation has one and it is asked for.
@@ -104,7 +105,7 @@ private:
         if constexpr (requires { Presentation::pixel_table(study_); }) {
             if (options_.writes_pixels_csv)
                 table = std::make_unique<table::TableFile<Pixel>>(
-                    keep_piece_ ? "" : options_.folder, Presentation::row_name(study_, r) + ".csv",
+                    keep_piece_ ? "" : options_.folder, Presentation::file_stem(study_, r) + ".csv",
                     Presentation::pixel_title, Presentation::pixel_table(study_));
             functions.add_pixel = [](table::TableFile<Pixel>& file, const Band& band, std::size_t i) {
                 if constexpr (requires { Presentation::has_row(band, i); })
@@ -116,10 +117,10 @@ private:
         if constexpr (requires { Presentation::layers(study_); }) {
             if (!options_.folder.empty()) add_exr(r, functions, files);
         }
-        rows_.emplace_back(r, files, std::move(functions), std::move(table));
+        forms_.emplace_back(r, files, std::move(functions), std::move(table));
     }
 
-    void add_exr(std::size_t r, typename Rows::Functions& functions, pixel::BandFiles<Band>& files) {
+    void add_exr(std::size_t r, typename FormWriter::Functions& functions, pixel::BandFiles<Band>& files) {
         const auto layers = std::make_shared<const pixel::ExrLayers<Band>>(Presentation::layers(study_));
         functions.exr_scanlines = [layers](const Band& band, std::span<const image::Rgb8>) {
             return std::vector{
@@ -127,7 +128,7 @@ private:
         };
         if (keep_piece_) return;
         books_.push_back(std::make_unique<image::ExrBook>(
-            options_.folder / (Presentation::row_name(study_, r) + ".exr"),
+            options_.folder / (Presentation::file_stem(study_, r) + ".exr"),
             std::vector{image::ExrPart{"", Presentation::exr_spec(study_, r, layers->channels(), options_.command)}}));
         files.write_exr = [book = books_.back().get()](const std::vector<pixel::ExrScanlines>& pieces) {
             for (const pixel::ExrScanlines& piece : pieces)
@@ -140,7 +141,7 @@ private:
     pixel::PieceReceiver keep_piece_;
     pixel::PictureWriter<Band> pictures_;
     std::optional<table::TableFile<typename Presentation::SummaryRow>> table_;  ///< none in a shard
-    std::deque<Rows> rows_;
+    std::deque<FormWriter> forms_;
     std::vector<std::unique_ptr<image::ExrBook>> books_;  ///< one for each row, if the study has an EXR
 };
 

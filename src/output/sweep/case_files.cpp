@@ -8,8 +8,8 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/number_text.hpp"
 #include "output/image/figure.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/row_names.hpp"
 #include "output/plot/cell_plots.hpp"
 #include "text/shell_word.hpp"
 
@@ -117,7 +117,7 @@ std::vector<std::size_t> add_case_columns(plot::MatrixPlotSpec& spec, const Case
                 continue;
             group.columns.push_back(map::short_name(*request.tested_forms[r].form->info));
             row_order.push_back(r);
-            spec.keys += (spec.keys.empty() ? "" : " ") + map::row_name(request.tested_forms[r]);
+            spec.keys += (spec.keys.empty() ? "" : " ") + map::tested_form_name(request.tested_forms[r]);
         }
     }
     return row_order;

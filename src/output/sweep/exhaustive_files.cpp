@@ -10,7 +10,7 @@
 #include "measure/truth/lost_bits.hpp"
 #include "output/attribution/explain_command.hpp"
 #include "output/image/figure.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "text/count_with_noun.hpp"
 
@@ -302,7 +302,8 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& find
                        : fmt::format(" already fails at the first of them: {}", failure_phrase(wrong.outcome));
 
     // How often it fails, and what would help.
-    text += fmt::format("; it is wrong for {} in all{}, the last at {}", text::count_with_noun(tally.wrong(), "float"),
+    text += fmt::format("; it is wrong for {} in all{}, the last at {}",
+                        text::count_with_noun(tally.wrong_count(), "float"),
                         request.sweep.mesh ? kinds_text(tally) : "", float_text(tally.last_wrong->float_index));
     if (tally.padding)
         text += fmt::format("; to miss none it needs {} u more padding", file::decimal(tally.padding->u));

@@ -11,7 +11,7 @@
 
 #include "measure/truth/lost_bits.hpp"
 #include "measure/truth/missing.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "output/sweep/sweep_plots.hpp"
 
@@ -157,8 +157,8 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
         lost.series.push_back(binades.series(half, [](const FloatTally& t) {
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
         }));
-        wrong.series.push_back(
-            binades.series(half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong(), t.floats()); }));
+        wrong.series.push_back(binades.series(
+            half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong_count(), t.floats()); }));
     }
     return ExhaustivePlots{std::move(lost), std::move(wrong)};
 }

@@ -57,8 +57,8 @@ Table<Onset> onset_table(const SweepRequest& request) {
     const scene::sweep::Axis& axis = request.sweep.axes.front();
 
     // Values of cells that more than one column shows, and that are missing in some rows.
-    const auto is_good = [](const R& r) { return r.found && !r.from_start; };
-    const auto is_bad_again = [](const R& r) { return r.recovers && !r.good_at_end; };
+    const auto is_good = [](const R& r) { return r.found && !r.happens_at_start; };
+    const auto is_bad_again = [](const R& r) { return r.recovers && !r.is_good_at_end; };
     const auto last_good = [=](const R& r) { return when(is_good(r), r.last_good); };
     const auto first_bad = [](const R& r) { return when(r.found, r.first_bad); };
     const auto last_good_after = [](const R& r) { return when(r.recovers, r.last_good_after); };
@@ -87,7 +87,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
          {"read_from",
           "first: steps are read in their order; last: from the last step backwards, so that `first` and `last` below "
           "are the other way round",
-          [](const R& r) { return r.from_last ? "last" : "first"; }},
+          [](const R& r) { return r.reads_backwards ? "last" : "first"; }},
 
          // the first values at which it happens
          {"found", "true if the event happens within the sweep", &R::found},

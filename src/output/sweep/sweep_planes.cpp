@@ -13,8 +13,8 @@
 #include "output/file/number_text.hpp"
 #include "output/image/contact_sheet.hpp"
 #include "output/image/exr_book.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/row_names.hpp"
 #include "output/pixel/look.hpp"
 #include "output/plot/cell_plots.hpp"
 
@@ -112,7 +112,7 @@ struct CellCounts {
     }
 };
 
-/// The picture of a series (a form in a format) on a plane.
+/// The picture of a tested form (a form in a format) on a plane.
 struct DrawnPlane {
     std::vector<plot::PlaneCell> cells = {};  ///< in the order of `PlanePlotSpec`
     std::vector<bool> is_explained = {};      ///< for each cell, see `map::is_inside_envelope`
@@ -232,7 +232,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
                        const std::vector<SweepStep>& steps) {
     const SweepGrid plane(request, steps);
     const map::LostBitsScale scale(request.tested_forms);
-    const map::RowGrid grid(request.tested_forms);
+    const map::FormGrid grid(request.tested_forms);
     std::vector<DrawnPlane> planes;
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) planes.push_back(draw_plane(request, plane, r));
 
@@ -270,7 +270,7 @@ void write_planes(const std::filesystem::path& folder, const SweepRequest& reque
     const SweepGrid plane(request, steps);
     write_plane_sheet(folder / "contact.png", request, steps);
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
-        const std::string file_stem = map::row_name(request.tested_forms[r]);
+        const std::string file_stem = map::tested_form_name(request.tested_forms[r]);
         if (draws_single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
         write_exr(folder / (file_stem + ".exr"), request, plane, r);
     }

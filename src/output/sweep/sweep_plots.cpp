@@ -12,8 +12,8 @@
 #include "measure/truth/missing.hpp"
 #include "output/file/number_text.hpp"
 #include "output/image/figure.hpp"
+#include "output/map/form_names.hpp"
 #include "output/map/map_tables.hpp"
-#include "output/map/row_names.hpp"
 #include "output/plot/form_look.hpp"
 #include "text/count_with_noun.hpp"
 
@@ -94,7 +94,7 @@ void add_form_lines(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format
         spec.series.push_back(
             make_series(sweep.steps, r, map::short_name(*request.tested_forms[r].form->info), quantity.value));
         spec.series.back().look = plot::form_look(*request.tested_forms[r].form);
-        spec.series.back().key = map::row_name(request.tested_forms[r]);
+        spec.series.back().key = map::tested_form_name(request.tested_forms[r]);
 
         // Any form that hits at every step gives the same envelope. Skip forms without t: they have no line to compare
         // it with.
@@ -116,7 +116,7 @@ void add_marks(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& for
 
         const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
             const TestedForm& tested_form = request.tested_forms[o.form_index];
-            return o.found && !o.from_last && tested_form.form->info->name == mark.form &&
+            return o.found && !o.reads_backwards && tested_form.form->info->name == mark.form &&
                    tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
                    o.threshold == mark.threshold;
         });
@@ -240,7 +240,7 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, con
             return drawn_quantile(s, metric_index, 0.5);
         }));
         for (const Onset& o : sweep.onsets)
-            if (o.found && !o.from_start && o.form_index == form_index && o.event == metric)
+            if (o.found && !o.happens_at_start && o.form_index == form_index && o.event == metric)
                 spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
     }
 
@@ -390,7 +390,7 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
             const TestedForm& tested_form = request.tested_forms[r];
             if (tested_form.format != format) continue;
             const LabelledMetrics step_metrics = transform_step_metrics(request);
-            if (!step_metrics.empty() && tested_form.form->is_placed)
+            if (!step_metrics.empty() && tested_form.form->has_transform_method)
                 save(fmt::format("steps.{}", tested_form.form->info->name),
                      parts_plot(sweep, r, "Steps", step_metrics));
             if (!map::asks_for_culprits(request.metrics)) continue;

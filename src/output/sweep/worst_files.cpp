@@ -11,7 +11,7 @@
 #include "output/attribution/explain_command.hpp"
 #include "output/file/atomic_file.hpp"
 #include "output/file/escape.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "output/table/shared_columns.hpp"
 #include "text/count_with_noun.hpp"
 
@@ -35,9 +35,9 @@ std::string primitive_text(const Primitive<double>& primitive) {
         keys += key.count() == 3 ? hex_array(primitive.shape_numbers().subspan(k, 3))
                                  : fmt::format("\"{}\"", file::hex(primitive.numbers[k]));
     });
-    if (primitive.placed)
-        keys += fmt::format(", {} = {}", primitive.placed->is_inverse ? "inverse_matrix" : "matrix",
-                            hex_array(primitive.placed->matrix));
+    if (primitive.transform)
+        keys += fmt::format(", {} = {}", primitive.transform->is_inverse ? "inverse_matrix" : "matrix",
+                            hex_array(primitive.transform->matrix));
     return fmt::format("{{{} }}", keys);
 }
 

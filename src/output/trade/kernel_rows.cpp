@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 
 namespace lostbits::output::trade {
 
@@ -45,7 +45,7 @@ void add_kernel_points(plot::ScatterPlotSpec& spec, const std::vector<KernelPoin
                                .label = !has_label        ? std::string()
                                         : p.label.empty() ? map::short_name(*p.tested_form.form->info)
                                                           : p.label,
-                               .key = map::row_name(p.tested_form) + " " + std::to_string(k)});
+                               .key = map::tested_form_name(p.tested_form) + " " + std::to_string(k)});
         if (!is_dominated[k] && !std::isnan(p.quality.kept_bits)) front_indices.push_back(k);
     }
 

@@ -13,7 +13,7 @@
 #include "output/file/atomic_file.hpp"
 #include "output/file/number_text.hpp"
 #include "output/image/figure.hpp"
-#include "output/map/row_names.hpp"
+#include "output/map/form_names.hpp"
 #include "text/count_with_noun.hpp"
 
 namespace lostbits::output::trade {

@@ -11,8 +11,10 @@ namespace {
 constexpr long long largest_exponent = 1000000;
 constexpr long long max_ulps = 1LL << 30;
 
-constexpr std::pair<std::string_view, ShadowRule::Offset> offset_names[] = {
-    {"none", ShadowRule::Offset::none}, {"epsilon", ShadowRule::Offset::epsilon}, {"ulp", ShadowRule::Offset::ulp}};
+constexpr std::pair<std::string_view, ShadowRule::ShadowOffset> offset_names[] = {
+    {"none", ShadowRule::ShadowOffset::none},
+    {"epsilon", ShadowRule::ShadowOffset::epsilon},
+    {"ulp", ShadowRule::ShadowOffset::ulp}};
 constexpr std::pair<std::string_view, bool> surface_names[] = {{"ambient", false}, {"half_diffuse", true}};
 
 void read_colour(TableReader& table, std::string_view key, Vec<Real>& colour) {
@@ -38,10 +40,10 @@ Vec<Real> read_light(TableReader table, const StoredNumbers& numbers) {
 }
 
 ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
-    using Offset = ShadowRule::Offset;
+    using ShadowOffset = ShadowRule::ShadowOffset;
     ShadowRule rule;
 
-    table.read("surface", rule.half_diffuse, surface_names);
+    table.read("surface", rule.keeps_half_diffuse, surface_names);
     read_coefficient(table, "background", rule.background, numbers);
     if (rule.background > 1)
         table.fail_at("background", "is above 1: a shadow would be brighter than the light; write 0 to 1");
@@ -58,9 +60,9 @@ ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
                          "needs own = true: without it a shadow ray is not tested against the sphere that it leaves");
     }
 
-    if (rule.offset != Offset::epsilon) table.reject("epsilon", "needs offset = \"epsilon\"");
+    if (rule.offset != ShadowOffset::epsilon) table.reject("epsilon", "needs offset = \"epsilon\"");
     else table.node("epsilon", "a number");
-    if (rule.offset != Offset::ulp) table.reject("ulps", "needs offset = \"ulp\"");
+    if (rule.offset != ShadowOffset::ulp) table.reject("ulps", "needs offset = \"ulp\"");
     else table.node("ulps", "a whole number");
     return rule;
 }
@@ -76,7 +78,7 @@ void read_paint(TableReader& table, Material& material, const StoredNumbers& num
 
 }  // namespace
 
-bool Appearance::asks_for(Stage stage) const {
+bool Appearance::has_stage(Stage stage) const {
     switch (stage) {
         case Stage::visible: return true;
         case Stage::diffuse: return light.has_value();
@@ -88,7 +90,7 @@ bool Appearance::asks_for(Stage stage) const {
 
 Stage Appearance::last_stage_up_to(Stage limit) const {
     for (const Stage stage : {Stage::phong, Stage::shadows, Stage::diffuse}) {
-        if (stage <= limit && asks_for(stage)) return stage;
+        if (stage <= limit && has_stage(stage)) return stage;
     }
     return Stage::visible;
 }

@@ -32,12 +32,12 @@ struct Material {
 struct ShadowRule {
     /// The start of a shadow ray that is also tested against the sphere that it leaves: the point as computed, moved
     /// along the normal by `epsilon` world units, or by `ulps` units in the last place of its largest coordinate.
-    enum class Offset : std::uint8_t { none, epsilon, ulp };
+    enum class ShadowOffset : std::uint8_t { none, epsilon, ulp };
 
-    bool half_diffuse = false;      ///< true: half of the diffuse light remains in shadow; false: only ambient light
-    Real background = Real(1) / 2;  ///< factor on the colour of the background in shadow
+    bool keeps_half_diffuse = false;  ///< true: half of the diffuse light remains in shadow; false: only ambient light
+    Real background = Real(1) / 2;    ///< factor on the colour of the background in shadow
     bool tests_departed_sphere = false;  ///< true: the sphere that the point lies on is also tested
-    Offset offset = Offset::none;
+    ShadowOffset offset = ShadowOffset::none;
     Real epsilon = Real(0);
     int ulps = 0;
 };
@@ -55,8 +55,8 @@ struct Appearance {
 
     /// True if the scene has what this stage adds: a light for `diffuse`, `[shadows]` for `shadows`, a ks above 0 for
     /// `phong`.
-    [[nodiscard]] bool asks_for(Stage stage) const;
-    /// The last stage, no later than `stage`, for which `asks_for` is true.
+    [[nodiscard]] bool has_stage(Stage stage) const;
+    /// The last stage, no later than `stage`, for which `has_stage` is true.
     [[nodiscard]] Stage last_stage_up_to(Stage stage) const;
     [[nodiscard]] Stage last_stage() const { return last_stage_up_to(Stage::phong); }
 };

@@ -11,10 +11,10 @@ using toml::TableReader;
 
 namespace {
 
-constexpr std::pair<std::string_view, CameraProjection::Depth> depth_names[] = {
-    {"gl", CameraProjection::Depth::gl},
-    {"zero_to_one", CameraProjection::Depth::zero_to_one},
-    {"reversed", CameraProjection::Depth::reversed}};
+constexpr std::pair<std::string_view, CameraProjection::DepthRange> depth_names[] = {
+    {"gl", CameraProjection::DepthRange::gl},
+    {"zero_to_one", CameraProjection::DepthRange::zero_to_one},
+    {"reversed", CameraProjection::DepthRange::reversed}};
 
 constexpr std::pair<std::string_view, Camera::Kind> camera_names[] = {{"orthographic", Camera::Kind::orthographic},
                                                                       {"pinhole", Camera::Kind::pinhole},
@@ -119,7 +119,7 @@ constexpr ForeignKeys foreign_keys[] = {
 /// Reads a camera whose picture plane is in the world, at z = 0.
 void read_pixel_plane(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
     camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
-    if (numbers.vanishes(camera.eye.z))
+    if (numbers.is_stored_as_zero(camera.eye.z))
         table.fail_at("eye",
                       "lies in the plane of the pixels, z = 0, and would see it as a line; move it off the plane");
     std::vector<Real> extent = table.numbers("extent", 4);
@@ -198,8 +198,8 @@ Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator) {
     camera.fov_deg = rounded(camera.fov_deg);
     camera.projection->near = rounded(camera.projection->near);
     if (auto& far = camera.projection->far) far = rounded(*far);
-    for (Primitive<Real>& primitive : scene.listed) primitive = transformed(primitive, rounded);
-    if (scene.march) scene.march = transformed(*scene.march, rounded);
+    for (Primitive<Real>& primitive : scene.listed) primitive = convert_numbers(primitive, rounded);
+    if (scene.march) scene.march = convert_numbers(*scene.march, rounded);
     scene.inputs = Inputs::own;
     return scene;
 }

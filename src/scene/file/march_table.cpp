@@ -57,19 +57,19 @@ MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
 }
 
 MarchConstants<double> round_march(const MarchConstants<Real>& ideal, const FloatFormat& f) {
-    return transformed(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
+    return convert_numbers(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }
 
 MarchConstants<double> round_march(const MarchConstants<double>& constants, const FloatFormat& f) {
-    return transformed(constants, [&f](double x) { return rounding::to_format(x, 0, f); });
+    return convert_numbers(constants, [&f](double x) { return rounding::to_format(x, 0, f); });
 }
 
-std::vector<std::string> lost_constants(const Scene& scene, const FloatFormat& f) {
+std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& f) {
     std::vector<std::string> lost;
     if (!scene.march) return lost;
     const bool is_shared = scene.inputs == Inputs::shared;
     std::size_t i = 0;
-    transformed(*scene.march, [&](const Real& ideal) {
+    convert_numbers(*scene.march, [&](const Real& ideal) {
         const double stored = toml::round_to_format(ideal, is_shared ? binary32 : binary64),
                      rounded = rounding::to_format(stored, 0, f);
         const std::string_view name = intersect::march_number_names[i++];

@@ -26,7 +26,7 @@ constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Input
 /// Fails if the primitive breaks a limit of its shape once its numbers are rounded as they are stored.
 void require_limits_when_rounded(const Primitive<Real>& primitive, const TableReader& table,
                                  const StoredNumbers& numbers) {
-    const auto rounded = broken_limit(transformed(primitive, [&](const Real& x) { return numbers.stored(x); }));
+    const auto rounded = broken_limit(convert_numbers(primitive, [&](const Real& x) { return numbers.stored(x); }));
     if (!rounded) return;
     const bool equals_previous = rounded->key->limit == Key::Limit::differs_from_previous ||
                                  rounded->key->limit == Key::Limit::non_negative_below_previous ||
@@ -65,7 +65,7 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
         table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
     require_limits_when_rounded(primitive, table, numbers);
 
-    primitive.placed = read_transform(table, numbers);
+    primitive.transform = read_transform(table, numbers);
     table.require_known_keys();
     return primitive;
 }
@@ -144,11 +144,11 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
     TableReader file(root_);
     toml::require_schema(file, schema);
     for (TableReader& table : file.tables("variant")) {
-        Variant variant{table.string("name"), {}};
+        SceneVariant variant{table.string("name"), {}};
         if (!is_plain_name(variant.name))
             table.fail_at(
                 "name", "is \"" + variant.name + "\", but names are part of file names; use letters, digits, - and _");
-        const auto has_same_name = [&](const Variant& other) { return other.name == variant.name; };
+        const auto has_same_name = [&](const SceneVariant& other) { return other.name == variant.name; };
         if (std::any_of(variants_.begin(), variants_.end(), has_same_name))
             table.fail_at("name", "is \"" + variant.name +
                                       "\", which is also the name of another variant; give each its own name");
@@ -163,13 +163,13 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
 
 std::vector<std::string> SceneFile::variants() const {
     std::vector<std::string> names;
-    for (const Variant& variant : variants_) names.push_back(variant.name);
+    for (const SceneVariant& variant : variants_) names.push_back(variant.name);
     return names;
 }
 
 std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
     if (options.variant) {
-        for (const Variant& variant : variants_)
+        for (const SceneVariant& variant : variants_)
             if (variant.name == *options.variant) return {interpret(&variant, options)};
         const std::string hint =
             variants_.empty() ? "the file has none" : text::did_you_mean(*options.variant, variants());
@@ -177,11 +177,11 @@ std::vector<Scene> SceneFile::load(const LoadOptions& options) const {
     }
     if (variants_.empty()) return {interpret(nullptr, options)};
     std::vector<Scene> scenes;
-    for (const Variant& variant : variants_) scenes.push_back(interpret(&variant, options));
+    for (const SceneVariant& variant : variants_) scenes.push_back(interpret(&variant, options));
     return scenes;
 }
 
-Node SceneFile::root_with_changes(const Variant* variant, const LoadOptions& options) const {
+Node SceneFile::root_with_changes(const SceneVariant* variant, const LoadOptions& options) const {
     Node root = root_;
     if (root.find("rays") == nullptr) {  // any scene can get a range from a variant, from --set or from a sweep
         root.entries.push_back({"rays", root.where, {}});
@@ -217,10 +217,10 @@ void read_meshes(TableReader& file, const StoredNumbers& numbers, const intersec
     const triangle::MeshSettings terms{stop, scene.inputs == Inputs::shared ? binary32 : binary64};
     std::vector<triangle::Mesh> meshes;
     for (TableReader& table : file.tables("mesh")) {
-        if (const auto placed = read_transform(table, numbers))
-            scene.mesh_placed = transformed(*placed, [](const Real& x) { return x.convert_to<double>(); });
+        if (const auto transform = read_transform(table, numbers))
+            scene.mesh_transform = convert_numbers(*transform, [](const Real& x) { return x.convert_to<double>(); });
         meshes.push_back(triangle::read_mesh_table(table, scene.path.parent_path(), terms));
-        if (scene.mesh_placed && meshes.size() > 1)
+        if (scene.mesh_transform && meshes.size() > 1)
             table.fail_at(
                 "transform",
                 "applies to all triangles of the scene, but there are several meshes; write them into one, or leave it "
@@ -231,7 +231,7 @@ void read_meshes(TableReader& file, const StoredNumbers& numbers, const intersec
 
 }  // namespace
 
-Scene SceneFile::interpret(const Variant* variant, const LoadOptions& options) const {
+Scene SceneFile::interpret(const SceneVariant* variant, const LoadOptions& options) const {
     const Node root = root_with_changes(variant, options);
     Scene scene;
     scene.path = path_;
@@ -273,13 +273,13 @@ std::vector<Primitive<Real>> Scene::primitives() const {
     if (flake) {
         sphere::require_memory_for(*flake);
         sphere::for_each_primitive(*flake, [&all](const Primitive<double>& s) {
-            all.push_back(transformed(s, [](double x) { return Real(x); }));
+            all.push_back(convert_numbers(s, [](double x) { return Real(x); }));
         });
     }
     for (std::size_t i = 0; mesh && i < mesh->faces.size(); ++i) {
         Primitive<double> triangle(mesh->triangle(i));
-        triangle.placed = mesh_placed;
-        all.push_back(transformed(triangle, [](double x) { return Real(x); }));
+        triangle.transform = mesh_transform;
+        all.push_back(convert_numbers(triangle, [](double x) { return Real(x); }));
     }
     return all;
 }
@@ -300,14 +300,15 @@ std::vector<Shape> Scene::shapes() const {
     return scene_shapes;
 }
 
-bool Scene::is_placed() const {
-    return mesh_placed ||
-           std::ranges::any_of(listed, [](const Primitive<Real>& primitive) { return primitive.placed.has_value(); });
+bool Scene::has_transform() const {
+    return mesh_transform || std::ranges::any_of(listed, [](const Primitive<Real>& primitive) {
+               return primitive.transform.has_value();
+           });
 }
 
 bool Scene::accepts(Shapes form_shapes) const {
-    if (form_shapes == Shape::sdf) return march.has_value() && !is_placed();
-    return form_shapes == Shapes(shapes()).placed(is_placed());
+    if (form_shapes == Shape::sdf) return march.has_value() && !has_transform();
+    return form_shapes == Shapes(shapes()).with_transform(has_transform());
 }
 
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options) {
@@ -349,7 +350,7 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     const std::string no_file = name_or_path + ": no such file";
     const auto fail_if_misspelt = [&] {
         if (std::filesystem::exists(as_path, ignored)) return;
-        if (const std::string hint_text = toml::nearby_file(as_path); !hint_text.empty())
+        if (const std::string hint_text = toml::suggest_file(as_path); !hint_text.empty())
             throw InputError(no_file + "; " + hint_text);
     };
 

@@ -30,8 +30,8 @@ enum class Inputs { shared, own };
 /// do not.
 struct CameraProjection {
     /// Range of z over w from the near plane to the far plane: -1 to 1, 0 to 1, 1 to 0.
-    enum class Depth { gl, zero_to_one, reversed };
-    Depth depth = Depth::zero_to_one;
+    enum class DepthRange { gl, zero_to_one, reversed };
+    DepthRange depth = DepthRange::zero_to_one;
     Real near;                ///< > 0
     std::optional<Real> far;  ///< > near; absent: at infinity
 };
@@ -71,7 +71,7 @@ struct Scene {
     std::vector<Primitive<Real>> listed;         ///< as written, in world units, in the file's order
     std::optional<sphere::Sphereflake> flake;    ///< its spheres come after the primitives of `listed`
     std::shared_ptr<const triangle::Mesh> mesh;  ///< the triangles of all [[mesh]] tables, which come last; null: none
-    std::optional<Placement<double>> mesh_placed;  ///< matrix of the meshes, in ideal numbers, like the vertices
+    std::optional<Transform<double>> mesh_transform;  ///< matrix of the meshes, in ideal numbers, like the vertices
     std::optional<intersect::MarchConstants<Real>> march;  ///< absent: no sphere tracing
     Range<double> range = {};                              ///< of every ray, in lengths of its direction
     Appearance appearance;                                 ///< for pictures of the scene
@@ -83,8 +83,8 @@ struct Scene {
     /// True if forms for these shapes can be used on the scene: the shapes are those of its primitives or, for `sdf`,
     /// the scene has constants for the march.
     [[nodiscard]] bool accepts(Shapes form_shapes) const;
-    /// True if a primitive is under a matrix.
-    [[nodiscard]] bool is_placed() const;
+    /// True if a primitive has a transform.
+    [[nodiscard]] bool has_transform() const;
     /// The shapes of its primitives, each once.
     [[nodiscard]] std::vector<Shape> shapes() const;
     /// Remarks about its meshes for the author of the file, as sentences.
@@ -125,17 +125,17 @@ public:
     [[nodiscard]] std::vector<Scene> load(const LoadOptions& options = {}) const;
 
 private:
-    struct Variant {
+    struct SceneVariant {
         std::string name;
         std::vector<toml::Override> changes;
     };
-    [[nodiscard]] Scene interpret(const Variant* variant, const LoadOptions& options) const;
+    [[nodiscard]] Scene interpret(const SceneVariant* variant, const LoadOptions& options) const;
     /// Returns the file's tree with the changes of the variant, of the options, and with a table for the range.
-    [[nodiscard]] toml::Node root_with_changes(const Variant* variant, const LoadOptions& options) const;
+    [[nodiscard]] toml::Node root_with_changes(const SceneVariant* variant, const LoadOptions& options) const;
 
     std::filesystem::path path_;
     toml::Node root_;  ///< without the variants
-    std::vector<Variant> variants_;
+    std::vector<SceneVariant> variants_;
 };
 
 /// Returns `SceneFile(path, options.stop).load(options)`.

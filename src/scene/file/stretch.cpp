@@ -33,30 +33,30 @@ Real degrees_of(const Real& half_tangent) { return atan(half_tangent) * 360 / pi
 
 Vec<Real> middle_of(const Primitive<Real>& primitive) {
     const Vec<Real> middle = visit(primitive, [](const auto& shape) { return shape.middle(); });
-    if (!primitive.placed) return middle;
+    if (!primitive.transform) return middle;
     // The point that the stored inverse M⁻¹ transforms to the middle.
-    if (primitive.placed->is_inverse)
-        return point_to_object_space(middle,
-                                     Placement<Real>{primitive.placed->matrix, false, primitive.placed->orientation});
-    return primitive.placed->map().point(middle);
+    if (primitive.transform->is_inverse)
+        return point_to_object_space(
+            middle, Transform<Real>{primitive.transform->matrix, false, primitive.transform->orientation});
+    return primitive.transform->map().point(middle);
 }
 
 Real size_of(const Primitive<Real>& primitive) {
     const Real size = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
-    if (!primitive.placed) return size;
-    const Real factor = cbrt(abs(primitive.placed->map().determinant()));
-    return primitive.placed->is_inverse ? Real(size / factor) : Real(size * factor);
+    if (!primitive.transform) return size;
+    const Real factor = cbrt(abs(primitive.transform->map().determinant()));
+    return primitive.transform->is_inverse ? Real(size / factor) : Real(size * factor);
 }
 
 namespace {
 
-/// A triangle under the matrix of the meshes whose corners are all at one point. A change moves this point as it moves
-/// a vertex.
+/// A triangle with the transform of the meshes whose corners are all at one point. A change moves this point as it
+/// moves a vertex.
 Primitive<Real> at_vertex(const Scene& scene, const Vec<double>& v) {
     Primitive<double> triangle(scene.mesh->triangle(0));
     for (std::size_t k = 0; k < triangle.shape_numbers().size(); k += 3) triangle.set_point(k, v);
-    triangle.placed = scene.mesh_placed;
-    return transformed(triangle, [](double x) { return Real(x); });
+    triangle.transform = scene.mesh_transform;
+    return convert_numbers(triangle, [](double x) { return Real(x); });
 }
 
 /// The mean of the middles of all triangles of meshes. A matrix transforms the mean of points to the mean of the
@@ -74,8 +74,8 @@ template <class Change>
 void change_mesh(Scene& scene, const Change& change) {
     if (!scene.mesh) return;
     const auto as_double = [](const Real& x) { return static_cast<double>(x); };
-    if (scene.mesh_placed) {
-        scene.mesh_placed = transformed(*change(at_vertex(scene, {0, 0, 0})).placed, as_double);
+    if (scene.mesh_transform) {
+        scene.mesh_transform = convert_numbers(*change(at_vertex(scene, {0, 0, 0})).transform, as_double);
         return;
     }
     const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
@@ -112,10 +112,10 @@ Vec<Real> offset_direction() { return {Real(1), Real(11) / 16, -Real(7) / 16}; }
 
 Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& offset) {
     Primitive<Real> result = primitive;
-    if (primitive.placed) {
-        const Affine<Real> m = primitive.placed->map();
-        const Vec<Real> shift = primitive.placed->is_inverse ? Vec<Real>(-m.linear(offset)) : offset;
-        for (int i = 0; i < 3; ++i) result.placed->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
+    if (primitive.transform) {
+        const Affine<Real> m = primitive.transform->map();
+        const Vec<Real> shift = primitive.transform->is_inverse ? Vec<Real>(-m.linear(offset)) : offset;
+        for (int i = 0; i < 3; ++i) result.transform->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
         return result;
     }
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
@@ -126,11 +126,11 @@ Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& off
 
 std::optional<Primitive<Real>> grow(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k) {
     const Vec<Real> object_viewpoint =
-        primitive.placed ? point_to_object_space(viewpoint, *primitive.placed) : viewpoint;
+        primitive.transform ? point_to_object_space(viewpoint, *primitive.transform) : viewpoint;
     auto result = visit(primitive, [&](const auto& shape) -> std::optional<Primitive<Real>> {
         return shape.scaled_about_nearest(object_viewpoint, k);
     });
-    if (result) result->placed = primitive.placed;
+    if (result) result->transform = primitive.transform;
     return result;
 }
 
@@ -138,11 +138,11 @@ namespace {
 
 /// Multiplies every length of the world by k.
 Primitive<Real> enlarge(const Primitive<Real>& primitive, const Real& k) {
-    if (!primitive.placed) return transformed(primitive, [&k](const Real& x) { return Real(k * x); });
+    if (!primitive.transform) return convert_numbers(primitive, [&k](const Real& x) { return Real(k * x); });
     Primitive<Real> result = primitive;
-    for (std::size_t i = 0; i < result.placed->matrix.size(); ++i) {
-        if (!result.placed->is_inverse) result.placed->matrix[i] *= k;
-        else if (i % 4 != 3) result.placed->matrix[i] /= k;
+    for (std::size_t i = 0; i < result.transform->matrix.size(); ++i) {
+        if (!result.transform->is_inverse) result.transform->matrix[i] *= k;
+        else if (i % 4 != 3) result.transform->matrix[i] /= k;
     }
     return result;
 }

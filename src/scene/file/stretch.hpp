@@ -17,7 +17,7 @@ Real degrees_of(const Real& half_tangent);
 Vec<Real> middle_of(const Scene& scene);
 Vec<Real> middle_of(const Primitive<Real>& primitive);
 
-/// The radius of a sphere, or half of the longest side of a box. Under a matrix it is multiplied by the cube root of
+/// The radius of a sphere, or half of the longest side of a box. With a transform it is multiplied by the cube root of
 /// |det A|.
 Real size_of(const Primitive<Real>& primitive);
 
@@ -27,8 +27,8 @@ Vec<Real> offset_direction();
 
 /// `translate` moves a primitive by `offset`. `grow` scales a primitive by k about its point nearest to `viewpoint`.
 /// This point stays where it is; for a sphere it is a point of the surface, also from inside. `grow` returns nothing
-/// for a sphere centred at `viewpoint`. For a primitive under a matrix, `translate` changes the matrix, and `grow`
-/// works in the space of the primitive.
+/// for a sphere centred at `viewpoint`. For a transformed primitive, `translate` changes the matrix, and `grow` works
+/// in the space of the primitive.
 Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& offset);
 std::optional<Primitive<Real>> grow(const Primitive<Real>& primitive, const Vec<Real>& viewpoint, const Real& k);
 

@@ -10,7 +10,7 @@
 #include "scene/file/scene.hpp"
 #include "scene/toml/round.hpp"
 #include "scene/toml/toml_reader.hpp"
-#include "shapes/placement.hpp"
+#include "shapes/transform.hpp"
 
 namespace lostbits::scene::file {
 
@@ -18,13 +18,13 @@ namespace lostbits::scene::file {
 /// position of `key`.
 class StoredNumbers {
 public:
-    explicit StoredNumbers(Inputs inputs) : shared_(inputs == Inputs::shared) {}
+    explicit StoredNumbers(Inputs inputs) : are_inputs_shared_(inputs == Inputs::shared) {}
 
     static constexpr std::string_view overflow_words =
         "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"";
 
     [[nodiscard]] bool overflows(const Real& x) const {
-        return shared_ && std::isinf(toml::round_to_format(x, binary32));
+        return are_inputs_shared_ && std::isinf(toml::round_to_format(x, binary32));
     }
 
     Real finite(const toml::TableReader& table, std::string_view key, const Real& x) const {
@@ -36,16 +36,18 @@ public:
         return {finite(table, key, v.x), finite(table, key, v.y), finite(table, key, v.z)};
     }
 
-    [[nodiscard]] Real stored(const Real& x) const { return shared_ ? Real(toml::round_to_format(x, binary32)) : x; }
+    [[nodiscard]] Real stored(const Real& x) const {
+        return are_inputs_shared_ ? Real(toml::round_to_format(x, binary32)) : x;
+    }
 
     /// True if the number is zero, or if it is zero once rounded to binary32 for shared inputs.
-    [[nodiscard]] bool vanishes(const Real& x) const {
-        return x == 0 || (shared_ && toml::round_to_format(x, binary32) == 0);
+    [[nodiscard]] bool is_stored_as_zero(const Real& x) const {
+        return x == 0 || (are_inputs_shared_ && toml::round_to_format(x, binary32) == 0);
     }
 
     Real positive(const toml::TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
-        if (shared_ && toml::round_to_format(x, binary32) == 0)
+        if (are_inputs_shared_ && toml::round_to_format(x, binary32) == 0)
             table.fail_at(key,
                           "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or "
                           "inputs = \"own\"");
@@ -53,7 +55,7 @@ public:
     }
 
 private:
-    bool shared_;
+    bool are_inputs_shared_;
 };
 
 /// Reads `[camera]`.
@@ -71,6 +73,6 @@ Material read_material(toml::TableReader& sphere, const Appearance& look, const 
 /// other. They are composed in the scene's exact numbers, and rounded once when stored: as the matrix from the
 /// primitive to the world or, with `stored = "inverse"`, as its inverse. Throws InputError with a position, also if the
 /// matrix is singular, as written or as stored.
-std::optional<Placement<Real>> read_transform(toml::TableReader& primitive, const StoredNumbers& numbers);
+std::optional<Transform<Real>> read_transform(toml::TableReader& primitive, const StoredNumbers& numbers);
 
 }  // namespace lostbits::scene::file

@@ -147,18 +147,18 @@ Map inverse(const Map& m) {
     return result;
 }
 
-Placement<Real> to_placement(const Map& map, bool is_inverse) {
+Transform<Real> to_transform(const Map& map, bool is_inverse) {
     std::array<Real, Map::numbers> numbers;
     std::size_t k = 0;
-    map.each([&](const Real& x) { numbers[k++] = x; });
-    return placement_of(numbers, is_inverse);
+    map.for_each_number([&](const Real& x) { numbers[k++] = x; });
+    return transform_of(numbers, is_inverse);
 }
 
 constexpr std::pair<std::string_view, bool> stored_names[] = {{"forward", false}, {"inverse", true}};
 
 }  // namespace
 
-std::optional<Placement<Real>> read_transform(TableReader& primitive, const StoredNumbers& numbers) {
+std::optional<Transform<Real>> read_transform(TableReader& primitive, const StoredNumbers& numbers) {
     auto table = primitive.optional_table("transform");
     if (!table) return std::nullopt;
     bool is_inverse = false;
@@ -167,26 +167,26 @@ std::optional<Placement<Real>> read_transform(TableReader& primitive, const Stor
     table->require_known_keys();
 
     // Fails, at the step that causes it, if the matrix is singular or has numbers that the scene cannot hold.
-    const auto is_singular = [](const Map& map) { return !to_placement(map, false).is_proper(); };
+    const auto is_singular = [](const Map& map) { return !to_transform(map, false).is_proper(); };
     steps.fail_if(is_singular, std::string(singular_reason));
-    const auto placement = [&](const Map& map) { return to_placement(is_inverse ? inverse(map) : map, is_inverse); };
+    const auto transform = [&](const Map& map) { return to_transform(is_inverse ? inverse(map) : map, is_inverse); };
     steps.fail_if(
         [&](const Map& map) {
             if (is_singular(map)) return false;
-            const auto matrix = placement(map).matrix;
+            const auto matrix = transform(map).matrix;
             return std::ranges::any_of(matrix, [&](const Real& x) { return numbers.overflows(x); });
         },
         std::string(StoredNumbers::overflow_words));
 
     // Rounding may also make a matrix singular.
-    const auto stored_placement = [&](const Map& map) {
-        return transformed(placement(map), [&](const Real& x) { return numbers.stored(x); });
+    const auto stored_transform = [&](const Map& map) {
+        return convert_numbers(transform(map), [&](const Real& x) { return numbers.stored(x); });
     };
     steps.fail_if(
-        [&](const Map& map) { return !is_singular(map) && orientation_of(stored_placement(map).matrix) == 0; },
+        [&](const Map& map) { return !is_singular(map) && orientation_of(stored_transform(map).matrix) == 0; },
         "is singular in binary32, to which inputs = \"shared\" rounds; write larger numbers, or inputs = "
         "\"own\"");
-    return placement(steps.map());
+    return transform(steps.map());
 }
 
 }  // namespace lostbits::scene::file

@@ -23,7 +23,7 @@ inline Vec<double> draw_direction(Random& random) {
 }
 
 /// Draws a direction of length 1 at right angles to v.
-inline Vec<double> draw_across(Random& random, const Vec<double>& v) {
+inline Vec<double> draw_perpendicular(Random& random, const Vec<double>& v) {
     for (;;) {
         const Vec<double> d = draw_direction(random), across = d - (dot(d, v) / square(v)) * v;
         if (const double size = length(across); size > 0x1p-4) return across / size;
@@ -62,8 +62,9 @@ inline Vec<double> draw_on_surface(Random& random, const Primitive<double>& prim
 /// Start of the rays of a distribution: away from the primitive, or on the surface of a second primitive of the same
 /// kind, as rays to a light and reflected rays do. Once rounded to binary32, such rays begin just inside or just
 /// outside of the second primitive.
-enum class Begin : std::uint8_t { away, on_other };
-inline constexpr std::pair<std::string_view, Begin> begins[] = {{"away", Begin::away}, {"other", Begin::on_other}};
+enum class RayStart : std::uint8_t { away, on_other };
+inline constexpr std::pair<std::string_view, RayStart> begins[] = {{"away", RayStart::away},
+                                                                   {"other", RayStart::on_other}};
 
 /// Draws a ray from the surface of `other` to the point `target`, or in the direction `default_direction` if the two
 /// points are equal.
@@ -88,7 +89,7 @@ Ray<double> ray_from_surface(Random& random, const F& distribution, const Primit
 template <class F>
 struct AimedDistribution {
     int aim = 0;
-    Begin begin = Begin::away;
+    RayStart begin = RayStart::away;
     double size = 1;                 ///< approximate size of the primitive, world units
     double distance = 4;             ///< from the eye to the point aimed at, in sizes
     double aside = 0;                ///< distance by which the point is moved, in any direction, in sizes
@@ -114,12 +115,12 @@ struct AimedDistribution {
     [[nodiscard]] std::vector<RayGroup> draw() const {
         return draw_views(*this, [](Random& random, const AimedDistribution& f) {
             const auto draw_primitive = [&](const Vec<double>& middle) {
-                return transformed(F::draw_primitive(random, middle, f.size), [](double x) { return stored(x); });
+                return convert_numbers(F::draw_primitive(random, middle, f.size), [](double x) { return stored(x); });
             };
             const Primitive<double> primitive = draw_primitive(offset_of(f));
             RayGroup group;
             group.primitives.push_back(primitive);
-            if (f.begin == Begin::on_other)
+            if (f.begin == RayStart::on_other)
                 group.primitives.push_back(
                     draw_primitive(offset_of(f) + (f.distance * f.size) * draw_direction(random)));
             for (int i = 0; i < f.rays; ++i) {
@@ -127,7 +128,7 @@ struct AimedDistribution {
                                   shift = (f.aside * f.size) * draw_direction(random);
                 const AimedPlace target = F::draw_target(random, primitive, f.aim);
                 const Vec<double> point = target.point + shift;
-                if (f.begin == Begin::on_other) {
+                if (f.begin == RayStart::on_other) {
                     group.rays.push(ray_from_surface(random, f, group.primitives[1], point, random_direction));
                     continue;
                 }
@@ -144,14 +145,14 @@ struct AimedDistribution {
         return visit(primitive, [&](const auto& shape) { return shape.point_at(Vec<double>(x, y, z)); });
     }
 
-    static std::span<const RaySet> sets() {
+    static std::span<const RaySet> ray_sets() {
         static constexpr RaySet ray_sets[] = {
             {"easy", "from 4 sizes away, in any direction", [] { return F{}.draw(); }}};
         return ray_sets;
     }
     /// Rays for timing. The misses point away from the primitive.
     static HitsAndMisses draw_timed_rays() {
-        const F distribution = of_one_view(F{});
+        const F distribution = with_single_view(F{});
         HitsAndMisses rays{distribution.draw().front(), distribution.draw().front()};
         for (auto* column : {&rays.misses.rays.dx, &rays.misses.rays.dy, &rays.misses.rays.dz})
             for (double& x : *column) x = -x;

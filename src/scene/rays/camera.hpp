@@ -29,7 +29,7 @@ struct CameraFrame {
 
     /// A frame with `f` applied to each number.
     template <class F>
-    [[nodiscard]] auto transformed(const F& f) const {
+    [[nodiscard]] auto convert_numbers(const F& f) const {
         using S = decltype(f(pitch));
         const auto vec = [&f](const Vec<T>& v) { return Vec<S>(f(v.x), f(v.y), f(v.z)); };
         return CameraFrame<S>{.kind = kind,
@@ -55,7 +55,9 @@ template <class T>
 CameraFrame<T> make_frame(const file::Scene& scene) {
     static_assert(std::is_same_v<T, Real> || std::is_same_v<T, double>);
     if constexpr (std::is_same_v<T, Real>) return make_ideal_frame(scene);
-    else return make_ideal_frame(scene).transformed([](const Real& x) { return toml::round_to_format(x, binary64); });
+    else
+        return make_ideal_frame(scene).convert_numbers(
+            [](const Real& x) { return toml::round_to_format(x, binary64); });
 }
 
 /// pixel_plane: the middle of pixel (x, y) in the world, (left + (x + ½)·pitch, top − (y + ½)·pitch_down, 0).

@@ -26,13 +26,13 @@ FormTable& composed_forms() {
 const Intersector& with_generator(const RayGenerator& generator, const Intersector& form) {
     const std::string name =
         std::string(form.info->name) + "@" + std::string(generator_prefix) + std::string(generator.info->name);
-    if (form.is_set() || form.is_placed || generator_of(form))
-        throw InputError(
-            fmt::format("{}: {} cannot be combined with {}; name one form without a transform, or write camera.rays = "
-                        "\"{}\" into the "
-                        "scene, or use --set camera.rays={}",
-                        name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
-                        generator.info->name, generator.info->name));
+    if (form.is_set() || form.has_transform_method || generator_of(form))
+        throw InputError(fmt::format(
+            "{}: {} cannot be combined with {}; name one form without a transform method, or write camera.rays = "
+            "\"{}\" into the "
+            "scene, or use --set camera.rays={}",
+            name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
+            generator.info->name, generator.info->name));
     return composed_forms().find_or_add({&generator, &form}, [&](FormTable::ComposedForm& made) {
         made.name = name;
         made.title = std::string(form.info->title) + "; rays: " + std::string(generator.info->title);

@@ -26,7 +26,7 @@ struct HitsAndMisses {
 /// Returns the ray distribution with one view of many rays. Its first draw is the primitive, so the same seed gives
 /// the same primitive.
 template <class F>
-F of_one_view(F distribution) {
+F with_single_view(F distribution) {
     distribution.views = 1;
     distribution.rays = 4096;
     distribution.seed = 7;
@@ -68,7 +68,7 @@ std::vector<RayGroup> draw_views(const F& distribution, Draw draw) {
     std::vector<RayGroup> groups;
     for (int v = 0; v < distribution.views; ++v) {
         groups.push_back(draw(random, distribution));
-        groups.back().rays.set_as_list();
+        groups.back().rays.mark_as_list();
     }
     return groups;
 }

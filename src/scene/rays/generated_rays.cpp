@@ -52,7 +52,7 @@ Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
 CameraNumbers<Real> camera_numbers(const Scene& scene) {
     const CameraFrame<Real> frame = make_frame<Real>(scene);
     const CameraProjection& planes = scene.camera.projection.value();
-    using Depth = CameraProjection::Depth;
+    using DepthRange = CameraProjection::DepthRange;
     CameraNumbers<Real> camera{};
     camera.width = scene.width;
     camera.height = scene.height;
@@ -65,8 +65,8 @@ CameraNumbers<Real> camera_numbers(const Scene& scene) {
     camera.tan_y = file::half_tangent(scene.camera.fov_deg);
     camera.tan_x = camera.tan_y * camera.width / camera.height;
     camera.near = planes.near;
-    camera.depth_near = Real(planes.depth == Depth::gl ? -1 : planes.depth == Depth::reversed ? 1 : 0);
-    camera.depth_far = Real(planes.depth == Depth::reversed ? 0 : 1);
+    camera.depth_near = Real(planes.depth == DepthRange::gl ? -1 : planes.depth == DepthRange::reversed ? 1 : 0);
+    camera.depth_far = Real(planes.depth == DepthRange::reversed ? 0 : 1);
 
     camera.projection = projection(planes, camera);
     camera.to_world = to_world(frame, frame.origin);
@@ -180,19 +180,19 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
     return recorded;
 }
 
-void RecordedRay::put_before(Tape& form) const {
+void RecordedRay::prepend_to(Tape& form) const {
     Tape joined = tape;
     joined.outputs = intersect::table::append_tape(form, {ray.begin(), ray.end()}, joined);
     form = std::move(joined);
 }
 
-bool RecordedRay::try_put_before(Tape& form) const {
+bool RecordedRay::try_prepend_to(Tape& form) const {
     const auto is_same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
     for (const TapeNode& node : form.nodes) {
         const auto k = static_cast<std::size_t>(node.operands[0]);
         if (node.op == TapeOp::input && k < ray.size() && !is_same(tape[ray[k]].value, node.value)) return false;
     }
-    put_before(form);
+    prepend_to(form);
     return true;
 }
 

@@ -23,10 +23,10 @@ struct RecordedRay {
     std::vector<std::string> names;  ///< names of the inputs
 
     /// Puts this tape in front of a form's tape, in place of the form's ray.
-    void put_before(Tape& form) const;
+    void prepend_to(Tape& form) const;
     /// Does the same if both rays are the same to the bit; otherwise returns false. A form for unit directions gets
     /// another ray.
-    bool try_put_before(Tape& form) const;
+    bool try_prepend_to(Tape& form) const;
 };
 
 class GeneratedRays {

@@ -25,7 +25,7 @@ PrimitiveList<S> with_flake_and_mesh(std::vector<Primitive<S>> listed, const fil
         flake_and_mesh.flake = std::make_shared<const SphereColumns>(*scene.flake, scene.inputs);
     }
     if (scene.mesh)
-        flake_and_mesh.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, scene.inputs);
+        flake_and_mesh.mesh = std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_transform, scene.inputs);
     return {std::move(listed), std::move(flake_and_mesh)};
 }
 
@@ -47,14 +47,14 @@ SphereColumns::SphereColumns(const sphere::Sphereflake& flake, file::Inputs inpu
     else columns_ = make_sphere_columns<double>(flake, binary64);
 }
 
-MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
+MeshColumns::MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Transform<double>> transform,
                          file::Inputs inputs)
-    : mesh_(std::move(mesh)), vertices_(mesh_->vertices), placed_(std::move(placed)) {
+    : mesh_(std::move(mesh)), vertices_(mesh_->vertices), transform_(std::move(transform)) {
     if (inputs == file::Inputs::own) return;
     const auto stored = [](double x) { return rounding::to_format(x, 0, binary32); };
     for (Vec<double>& v : vertices_)
         for (int k = 0; k < 3; ++k) v[k] = stored(v[k]);
-    if (placed_) placed_ = transformed(*placed_, stored);
+    if (transform_) transform_ = convert_numbers(*transform_, stored);
 }
 
 void MeshColumns::prefetch(std::span<const std::uint32_t> triangles, std::size_t first) const {
@@ -73,7 +73,7 @@ std::vector<Primitive<double>> shared_listed(const file::Scene& scene) {
 }
 
 std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene) {
-    return scene.mesh ? std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_placed, file::Inputs::shared)
+    return scene.mesh ? std::make_shared<const MeshColumns>(scene.mesh, scene.mesh_transform, file::Inputs::shared)
                       : nullptr;
 }
 

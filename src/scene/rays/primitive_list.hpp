@@ -51,13 +51,13 @@ private:
 /// unrounded.
 class MeshColumns {
 public:
-    MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Placement<double>> placed,
+    MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Transform<double>> transform,
                 file::Inputs inputs);
 
     [[nodiscard]] std::size_t size() const { return mesh_->faces.size(); }
     [[nodiscard]] Primitive<double> operator[](std::size_t i) const {
         Primitive<double> triangle = triangle::corners_of(mesh_->faces[i], vertices_);
-        triangle.placed = placed_;
+        triangle.transform = transform_;
         return triangle;
     }
     [[nodiscard]] const triangle::Mesh& mesh() const { return *mesh_; }
@@ -67,7 +67,7 @@ public:
 private:
     std::shared_ptr<const triangle::Mesh> mesh_;
     std::vector<Vec<double>> vertices_;
-    std::optional<Placement<double>> placed_;
+    std::optional<Transform<double>> transform_;
 };
 
 /// Primitives in storage type S: first those that are stored one by one, then the spheres of a flake and the triangles
@@ -94,7 +94,7 @@ public:
     [[nodiscard]] Primitive<S> operator[](std::size_t i) const {
         if (i < listed_.size()) return listed_[i];
         const std::size_t triangles = first_of_mesh();
-        return transformed(
+        return convert_numbers(
             i < triangles ? (*flake_and_mesh_.flake)[i - listed_.size()] : (*flake_and_mesh_.mesh)[i - triangles],
             [this](double x) { return S(rounded(x)); });
     }

@@ -88,21 +88,21 @@ CameraFrame<Real> make_ideal_frame(const Scene& scene) {
 RayGroup group_of(const Ray<double>& ray) {
     RayGroup group;
     group.rays.push(ray);
-    group.rays.set_as_list();
+    group.rays.mark_as_list();
     return group;
 }
 
 RayGroup sample_rays(const RayGroup& group, std::size_t max_rays) {
     const std::size_t step = (group.rays.size() + max_rays - 1) / max_rays;
     RayGroup part{.rays = {},
-                  .primitives = group.paired ? std::vector<Primitive<double>>() : group.primitives,
-                  .paired = group.paired};
+                  .primitives = group.is_paired ? std::vector<Primitive<double>>() : group.primitives,
+                  .is_paired = group.is_paired};
     for (std::size_t i = 0; i < group.rays.size(); i += step) {
         part.rays.push(group.rays[i]);
         part.rays.push_range(group.rays, i);
-        if (group.paired) part.primitives.push_back(group.primitives[i]);
+        if (group.is_paired) part.primitives.push_back(group.primitives[i]);
     }
-    part.rays.set_as_list();
+    part.rays.mark_as_list();
     return part;
 }
 
@@ -148,11 +148,11 @@ std::vector<Primitive<double>> stored_primitives(const Scene& scene, const Float
 }
 
 Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& f) {
-    return transformed(primitive, [&f](const Real& x) { return toml::round_to_format(x, f); });
+    return convert_numbers(primitive, [&f](const Real& x) { return toml::round_to_format(x, f); });
 }
 
 Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f) {
-    return transformed(primitive, [&f](double x) { return rounding::to_format(x, 0, f); });
+    return convert_numbers(primitive, [&f](double x) { return rounding::to_format(x, 0, f); });
 }
 
 RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {

@@ -55,7 +55,7 @@ struct BasicRayBlock {
     [[nodiscard]] auto numbers() { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     [[nodiscard]] auto numbers() const { return std::array{&ox, &oy, &oz, &dx, &dy, &dz}; }
     /// Declares that the rays are a list and not a picture: one line.
-    void set_as_list() { width = static_cast<int>(size()), y0 = 0, y1 = 1; }
+    void mark_as_list() { width = static_cast<int>(size()), y0 = 0, y1 = 1; }
 };
 
 /// Numbers of a format, held in doubles.
@@ -73,7 +73,7 @@ struct RayGroup {
     RayBlock rays;
     std::vector<Primitive<double>> primitives;
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: forms that march cannot be used
-    bool paired = false;  ///< there are as many primitives as rays, and ray i is aimed only at primitive i
+    bool is_paired = false;  ///< there are as many primitives as rays, and ray i is aimed only at primitive i
     std::shared_ptr<const MeshColumns> mesh = {};  ///< the meshes whose triangles come after the primitives
     /// The scene, for pixels of a scene whose camera has a projection, so that rays can be made in each format.
     std::shared_ptr<const file::Scene> scene = {};

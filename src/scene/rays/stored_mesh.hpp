@@ -16,9 +16,9 @@ inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, 
     const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
     for (Vec<double>& v : mesh->vertices)
         for (int k = 0; k < 3; ++k) v[k] = stored(v[k]);
-    auto placed = scene.mesh_placed;
-    if (placed) placed = transformed(*placed, stored);
-    return std::make_shared<const MeshColumns>(mesh, placed, file::Inputs::own);
+    auto transform = scene.mesh_transform;
+    if (transform) transform = convert_numbers(*transform, stored);
+    return std::make_shared<const MeshColumns>(mesh, transform, file::Inputs::own);
 }
 
 /// The primitives of `stored_primitives` that are not triangles of meshes.
@@ -45,7 +45,7 @@ inline bool fits_binary32(const MeshColumns& triangles) {
         return x;
     };
     for (std::size_t i = 0; fits && i < triangles.size(); ++i)
-        static_cast<void>(transformed(triangles[i], check_number));
+        static_cast<void>(convert_numbers(triangles[i], check_number));
     return fits;
 }
 

@@ -39,7 +39,7 @@ struct Symmetry {
         return {signs[0] * v[source_axes[0]], signs[1] * v[source_axes[1]], signs[2] * v[source_axes[2]]};
     }
     /// Returns S M for a matrix M to the world, and M⁻¹ S⁻¹ for a stored inverse. The primitive stays in its own space.
-    [[nodiscard]] Placement<double> apply_to(const Placement<double>& m) const {
+    [[nodiscard]] Transform<double> apply_to(const Transform<double>& m) const {
         auto result = m.matrix;
         for (std::size_t i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(source_axes[i]);
@@ -48,12 +48,12 @@ struct Symmetry {
                 else if (j < 3) result[4 * j + i] = signs[i] * m.matrix[4 * j + k];
             }
         }
-        return placement_of(result, m.is_inverse);
+        return transform_of(result, m.is_inverse);
     }
     [[nodiscard]] Primitive<double> apply_to(const Primitive<double>& s) const {
         Primitive<double> result = s;
-        if (s.placed) {
-            result.placed = apply_to(*s.placed);
+        if (s.transform) {
+            result.transform = apply_to(*s.transform);
             return result;
         }
         for_each_key(s.shape, [&](const Key& key, std::size_t k) {
@@ -126,7 +126,7 @@ CaseFile::PrimitiveSpec CaseFile::read_primitive_spec(TableReader& table, const 
         if (!spec.matrix.empty()) table.fail_at(key, "is given together with matrix; write one of the two");
         spec.matrix = read_quantities(table, key, Affine<double>::numbers, false);
         spec.is_inverse = is_inverse;
-        if (!spec.primitive_in(binary64, 0).placed->is_proper()) table.fail_at(key, std::string(singular_reason));
+        if (!spec.primitive_in(binary64, 0).transform->is_proper()) table.fail_at(key, std::string(singular_reason));
     }
     table.require_known_keys();
     return spec;
@@ -235,11 +235,11 @@ Primitive<double> CaseFile::PrimitiveSpec::primitive_in(const FloatFormat& forma
     // The last column of the matrix is a translation, whose numbers are lengths.
     for (std::size_t k = 0; k < matrix.size(); ++k)
         in_format[k] = matrix[k].value_in(format, k % 4 == 3 ? length_exponent : 0);
-    primitive.placed = placement_of(in_format, is_inverse);
+    primitive.transform = transform_of(in_format, is_inverse);
     return primitive;
 }
 
-bool CaseFile::are_placed() const {
+bool CaseFile::have_transform() const {
     return std::ranges::any_of(cases_, [](const Case& c) {
         return std::ranges::any_of(c.primitives, [](const PrimitiveSpec& spec) { return !spec.matrix.empty(); });
     });
@@ -256,7 +256,7 @@ std::vector<Shape> CaseFile::shapes() const {
     return found;
 }
 
-std::vector<std::size_t> CaseFile::matching(const std::string& glob, const toml::SourcePosition& where) const {
+std::vector<std::size_t> CaseFile::cases_matching(const std::string& glob, const toml::SourcePosition& where) const {
     std::vector<std::string> names;
     std::vector<std::size_t> found;
     for (std::size_t i = 0; i < cases_.size(); ++i) {
@@ -302,7 +302,7 @@ std::vector<RayGroup> CaseFile::rays(const Case& named_case, const FloatFormat& 
         add_ends(&RaySpec::tmin, 0, group.rays.tmin);
         add_ends(&RaySpec::tmax, HUGE_VAL, group.rays.tmax);
         group.rays.open_ends = named_case.open_ends;
-        group.rays.set_as_list();
+        group.rays.mark_as_list();
         groups.push_back(std::move(group));
     }
     return groups;

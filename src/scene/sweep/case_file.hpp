@@ -33,13 +33,14 @@ public:
     /// The shapes of the primitives of all cases, each once. A case need not have all of these shapes.
     [[nodiscard]] std::vector<Shape> shapes() const;
     [[nodiscard]] bool accepts(Shapes form_shapes) const {
-        return form_shapes == Shapes(shapes()).placed(are_placed());
+        return form_shapes == Shapes(shapes()).with_transform(have_transform());
     }
-    /// True if primitives of cases are under matrices.
-    [[nodiscard]] bool are_placed() const;
+    /// True if primitives of cases have transforms.
+    [[nodiscard]] bool have_transform() const;
     /// Returns the indices of the cases whose name matches a glob. Throws InputError with did-you-mean and `where` in
     /// front.
-    [[nodiscard]] std::vector<std::size_t> matching(const std::string& glob, const toml::SourcePosition& where) const;
+    [[nodiscard]] std::vector<std::size_t> cases_matching(const std::string& glob,
+                                                          const toml::SourcePosition& where) const;
 
     /// The rays of a case as numbers of the format, in groups that share their primitives. They may be improper rays:
     /// components may be NaN or infinite, directions zero.

@@ -22,7 +22,7 @@ constexpr DistributionRow row_of(Shape shape) {
     DistributionRow distribution_row{.shape = shape,
                                      .table = F::table,
                                      .read = make_drawer<F>,
-                                     .sets = F::sets,
+                                     .ray_sets = F::ray_sets,
                                      .draw_timed_rays = F::draw_timed_rays};
     if constexpr (requires { F::aims; }) distribution_row.aims = F::aims, distribution_row.draw_target = F::draw_target;
     return distribution_row;

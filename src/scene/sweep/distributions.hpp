@@ -22,7 +22,8 @@ struct DistributionRow {
     std::string_view table;  ///< the name of its table in sweep files: `sphere_rays`
     /// Throws InputError with a position for anything out of range.
     Drawer (*read)(toml::TableReader);
-    std::span<const rays::RaySet> (*sets)();   ///< the easy set first; drawn from fixed seeds, so always the same rays
+    std::span<const rays::RaySet> (
+        *ray_sets)();                          ///< the easy set first; drawn from fixed seeds, so always the same rays
     rays::HitsAndMisses (*draw_timed_rays)();  ///< rays for timing, like those of the easy set
     /// Targets of the key `aim` by name; none for spheres and planes.
     std::span<const std::pair<std::string_view, int>> aims = {};

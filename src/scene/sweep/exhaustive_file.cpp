@@ -244,7 +244,7 @@ Primitive<float> ExhaustiveFile::primitive_at(float value) const {
     return result;
 }
 
-rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& floats) const {
+rays::RayGroup ExhaustiveFile::group_of_floats(std::size_t ray, const FloatRange& floats) const {
     const auto to_double = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const std::size_t primitives = mesh ? 0 : primitive_indices.empty() ? 1 : floats.size();
     rays::RayGroup group;
@@ -254,11 +254,11 @@ rays::RayGroup ExhaustiveFile::group_over(std::size_t ray, const FloatRange& flo
         group.rays.push({to_double(r.origin), to_double(r.direction)});
         if (i < primitives)
             group.primitives.push_back(
-                transformed(primitive_at(value), [](float x) { return static_cast<double>(x); }));
+                convert_numbers(primitive_at(value), [](float x) { return static_cast<double>(x); }));
     }
-    group.rays.set_as_list();
+    group.rays.mark_as_list();
     if (takes_tmax(primitive.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));
-    group.paired = primitives > 1;
+    group.is_paired = primitives > 1;
     group.mesh = mesh;
     return group;
 }

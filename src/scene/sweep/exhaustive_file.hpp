@@ -58,11 +58,11 @@ public:
     [[nodiscard]] Ray<float> ray_at(std::size_t ray, float value) const;
     [[nodiscard]] Primitive<float> primitive_at(float value) const;
     [[nodiscard]] rays::RayGroup group_at(std::size_t ray, float value) const {
-        return group_over(ray, {index_of(value), index_of(value)});
+        return group_of_floats(ray, {index_of(value), index_of(value)});
     }
     /// Group of one ray with the axis at each of several floats. If the axis sets numbers of the primitive, each ray
     /// has a primitive of its own.
-    [[nodiscard]] rays::RayGroup group_over(std::size_t ray, const FloatRange& floats) const;
+    [[nodiscard]] rays::RayGroup group_of_floats(std::size_t ray, const FloatRange& floats) const;
 
 private:
     void read_primitive(toml::TableReader& file);

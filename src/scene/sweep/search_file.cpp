@@ -123,21 +123,21 @@ void SearchFile::read_aim(TableReader& table) {
         table.fail_at("distance", "must lie above 0 and up to 2^60, in halves of the size of the primitive");
 }
 
-bool SearchFile::holds(const Ray<double>& ray, const Primitive<double>& primitive) const {
+bool SearchFile::contains(const Ray<double>& ray, const Primitive<double>& primitive) const {
     std::size_t i = 0;
     for (const Vec<double>& v : {ray.origin, ray.direction}) {
         for (int k = 0; k < 3; ++k) {
-            if (!ranges[i++].holds(v[k])) return false;
+            if (!ranges[i++].contains(v[k])) return false;
         }
     }
     for (const double x : primitive.shape_numbers()) {
-        if (!ranges[i++].holds(x)) return false;
+        if (!ranges[i++].contains(x)) return false;
     }
     if (!is_round()) return !broken_limit(primitive) && ray.direction != Vec<double>(0, 0, 0);
     const auto [centre, radius] = ball_around(primitive);
     const Vec<double> f = ray.origin - centre;
     const double impact = length(cross(f, ray.direction)) / length(ray.direction);
-    return distance_radii.holds(distance_in_radii(ray, primitive)) && impact_radii.holds(impact / radius);
+    return distance_radii.contains(distance_in_radii(ray, primitive)) && impact_radii.contains(impact / radius);
 }
 
 EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::filesystem::path& data_dir,

@@ -18,7 +18,7 @@ namespace lostbits::scene::sweep {
 
 struct SearchedRange {
     double low = 0, high = 0;
-    [[nodiscard]] bool holds(double x) const { return low <= x && x <= high; }
+    [[nodiscard]] bool contains(double x) const { return low <= x && x <= high; }
 };
 
 /// Reads `key = [low, high]`. Throws InputError with a position if low is above high.
@@ -67,7 +67,7 @@ public:
     bool nearest = false;
 
     /// True if a ray and a primitive are in the ranges (the derived ranges to double precision) and are proper.
-    [[nodiscard]] bool holds(const Ray<double>& ray, const Primitive<double>& primitive) const;
+    [[nodiscard]] bool contains(const Ray<double>& ray, const Primitive<double>& primitive) const;
 
 private:
     void read_ranges(toml::TableReader& table);

@@ -19,8 +19,8 @@
 namespace lostbits::scene::sweep {
 
 using rays::RayGroup;
+using toml::round_to_12_bits;
 using toml::TableReader;
-using toml::to_12_bits;
 
 namespace {
 
@@ -60,7 +60,7 @@ void fill_values(Axis& axis, TableReader& table) {
                                ? Real(Real(axis.from) * pow(Real(Real(axis.to) / Real(axis.from)), fraction))
                                : Real(Real(axis.from) + fraction * (Real(axis.to) - Real(axis.from)));
         const auto x = static_cast<double>(value);
-        axis.values.push_back(axis.spacing == S::log2    ? to_12_bits(x)
+        axis.values.push_back(axis.spacing == S::log2    ? round_to_12_bits(x)
                               : axis.spacing == S::whole ? std::nearbyint(x)
                                                          : x);
     }
@@ -139,7 +139,7 @@ double Axis::middle(double a, double b) const {
     switch (spacing) {
         case Spacing::linear: return a + (b - a) / 2;
         case Spacing::whole: return std::trunc(a + (b - a) / 2);
-        case Spacing::log2: return to_12_bits(std::sqrt(a) * std::sqrt(b));
+        case Spacing::log2: return round_to_12_bits(std::sqrt(a) * std::sqrt(b));
         case Spacing::every_float: break;
     }
     const std::uint32_t low = index_of(static_cast<float>(a)), high = index_of(static_cast<float>(b));
@@ -220,7 +220,7 @@ void SweepFile::apply_steps(const SweepChanges& changes) {
 void SweepFile::require_no_changes_of_axes(const SweepChanges& changes) const {
     for (const toml::Override& change : changes.set) {
         for (const Axis& axis : axes) {
-            for (const Axis::Target& target : axis.targets) {
+            for (const Axis::AxisTarget& target : axis.targets) {
                 const std::string_view path = target.path;
                 if (path != change.path && !path.ends_with("." + change.path)) continue;
                 throw InputError(
@@ -270,7 +270,7 @@ void SweepFile::read_both_ends() {
         marches_ = group.march.has_value();
         shapes_.clear();
         for (const Primitive<double>& primitive : group.primitives) {
-            is_placed_ = is_placed_ || primitive.placed;
+            has_transform_ = has_transform_ || primitive.transform;
             if (std::ranges::find(shapes_, primitive.shape) == shapes_.end()) shapes_.push_back(primitive.shape);
         }
 
@@ -283,7 +283,7 @@ void SweepFile::read_both_ends() {
 std::vector<RayGroup> SweepFile::rays(const std::vector<double>& values) const {
     std::vector<toml::Override> changes;
     for (std::size_t a = 0; a < axes.size(); ++a) {
-        for (const Axis::Target& target : axes[a].targets) {
+        for (const Axis::AxisTarget& target : axes[a].targets) {
             changes.push_back(
                 {target.path,
                  toml::Node::of_number(Real(target.base) + Real(values[a]) * Real(target.factor), target.where),
@@ -370,7 +370,7 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     };
     if (std::ranges::count_if(names, has_last_part) == 1)
         return folder / (*std::ranges::find_if(names, has_last_part) + ".toml");
-    if (const std::string hint_text = toml::nearby_file(name_or_path); !hint_text.empty())
+    if (const std::string hint_text = toml::suggest_file(name_or_path); !hint_text.empty())
         throw InputError(name_or_path + ": no such file; " + hint_text);
     const std::string hint = text::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
     throw InputError(name_or_path + ": is neither a file nor the name of a sweep in " + folder.string() +

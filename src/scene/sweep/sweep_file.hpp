@@ -19,13 +19,13 @@ struct Axis : AxisName {
     Spacing spacing = Spacing::log2;
     double from = 1, to = 2;
     std::vector<double> values;  ///< in order; values with log2 spacing are rounded to 12 significant bits
-    struct Target {
+    struct AxisTarget {
         std::string path;   ///< in the scene, or in the table of the ray distribution
         double factor = 1;  ///< the path is set to base + factor · value
         double base = 0;
         toml::SourcePosition where = {};
     };
-    std::vector<Target> targets;
+    std::vector<AxisTarget> targets;
 
     /// Midpoint of a and b by the spacing of the axis. It is a or b if no number of the axis lies between.
     [[nodiscard]] double middle(double a, double b) const;
@@ -64,7 +64,7 @@ public:
 
     /// True if a form for these shapes can run the sweep.
     [[nodiscard]] bool accepts(Shapes form_shapes) const {
-        return form_shapes == Shape::sdf ? marches_ : form_shapes == Shapes(shapes_).placed(is_placed_);
+        return form_shapes == Shape::sdf ? marches_ : form_shapes == Shapes(shapes_).with_transform(has_transform_);
     }
     /// The shapes of the sweep's primitives, each once.
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
@@ -97,7 +97,7 @@ private:
     std::vector<toml::Override> changes_;  ///< changes to the scene
     std::optional<std::string> variant_;
     std::vector<Shape> shapes_;
-    bool is_placed_ = false;  ///< true if primitives are under matrices
+    bool has_transform_ = false;  ///< true if primitives have transforms
     bool marches_ = false, has_mesh_ = false;
     intersect::process::StopToken stop_;  ///< for the scene, which each step reads again
     std::uint64_t seed_offset_ = 0;       ///< added to the seed of the ray distribution

@@ -16,7 +16,7 @@ namespace lostbits::scene::toml {
 ByteSource::ByteSource(const std::filesystem::path& path, intersect::process::StopToken stop,
                        AllowedFiles allowed_files)
     : name_(path.string()), stop_(stop) {
-    note_read(path);
+    reserve_for_reading(path);
     open(allowed_files);
     struct stat status {};
     ::fstat(fd_, &status);

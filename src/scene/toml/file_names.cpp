@@ -24,7 +24,7 @@ std::string result_name(const std::filesystem::path& file) {
     return name;
 }
 
-std::string nearby_file(const std::filesystem::path& path) {
+std::string suggest_file(const std::filesystem::path& path) {
     std::vector<std::string> names;
     std::error_code ignored;
     const auto folder = path.parent_path();

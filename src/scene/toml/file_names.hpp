@@ -12,7 +12,7 @@ namespace lostbits::scene::toml {
 
 /// Returns `did you mean "sub/mine.toml"?` for `sub/mine.tom` or `sub/mine`: the TOML file of that folder with the
 /// nearest name, if a typing error explains the difference. Otherwise empty.
-std::string nearby_file(const std::filesystem::path& path);
+std::string suggest_file(const std::filesystem::path& path);
 
 /// Returns the message for a path that the system cannot resolve: links in a circle, a part that is a file, a folder
 /// that may not be read.

@@ -20,7 +20,7 @@ struct RunFiles {
 std::mutex files_mutex;
 std::vector<RunFiles> files_by_run;  ///< one entry for each `FilesOfRun` that exists, the youngest last
 
-void record_file(const std::filesystem::path& path, bool is_written) {
+void reserve(const std::filesystem::path& path, bool is_written) {
     struct stat info {};
     if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return;
     const std::pair file(info.st_dev, info.st_ino);
@@ -47,7 +47,7 @@ FilesOfRun::~FilesOfRun() {
     files_by_run.pop_back();
 }
 
-void note_read(const std::filesystem::path& path) { record_file(path, false); }
-void note_written(const std::filesystem::path& path) { record_file(path, true); }
+void reserve_for_reading(const std::filesystem::path& path) { reserve(path, false); }
+void reserve_for_writing(const std::filesystem::path& path) { reserve(path, true); }
 
 }  // namespace lostbits::scene::toml

@@ -21,9 +21,9 @@ public:
 };
 
 /// Called by a reader before it reads. Throws InputError if the run writes the same file.
-void note_read(const std::filesystem::path& path);
+void reserve_for_reading(const std::filesystem::path& path);
 
 /// Called by a writer before it replaces or removes a file. Throws InputError if the run reads the same file.
-void note_written(const std::filesystem::path& path);
+void reserve_for_writing(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::toml

@@ -45,9 +45,10 @@ bool remove_ending(std::string& text, std::string_view ending) {
 
 }  // namespace
 
-bool Exponent::read_word(std::string_view text, std::size_t& position, Term& term) {
-    using Word = Term::Word;
-    constexpr std::pair<std::string_view, Word> words[] = {{"emax", Word::emax}, {"emin", Word::emin}, {"p", Word::p}};
+bool Exponent::read_special_value(std::string_view text, std::size_t& position, Term& term) {
+    using SpecialValue = Term::SpecialValue;
+    constexpr std::pair<std::string_view, SpecialValue> words[] = {
+        {"emax", SpecialValue::emax}, {"emin", SpecialValue::emin}, {"p", SpecialValue::p}};
     for (const auto& [name, word] : words) {
         if (!text.substr(position).starts_with(name)) continue;
         term.word = word;
@@ -69,12 +70,12 @@ Exponent::Exponent(const Node& node) {
     std::size_t position = 0;
     while (position < text.size()) {
         // The sign, which only the first term may lack.
-        Term term{1, 0, Term::Word::none, 1};
+        Term term{1, 0, Term::SpecialValue::none, 1};
         if (text[position] == '+' || text[position] == '-') term.sign = text[position++] == '-' ? -1 : 1;
         else if (position > 0) fail_malformed();
 
         // A parameter of the format, or a number.
-        if (!read_word(text, position, term)) {
+        if (!read_special_value(text, position, term)) {
             const char* const begin = text.data() + position;
             const auto [stop, error] = std::from_chars(begin, text.data() + text.size(), term.number);
             if (error != std::errc{} || term.number < 0 || term.number > 10000) fail_malformed();
@@ -94,7 +95,7 @@ Exponent::Exponent(const Node& node) {
 int Exponent::value_in(const FloatFormat& f) const {
     int sum = 0;
     for (const Term& t : terms_) {
-        using W = Term::Word;
+        using W = Term::SpecialValue;
         const int n = t.word == W::emax ? f.emax : t.word == W::emin ? f.emin : t.word == W::p ? f.precision : t.number;
         sum += t.sign * floor_quotient(n, t.divisor);
     }
@@ -111,11 +112,14 @@ Quantity::Quantity(const Node& node, bool allows_special) {
     const bool is_negative = has_sign && rest.front() == '-';
 
     // A word stands for a number of the format.
-    constexpr std::pair<std::string_view, Word> words[] = {
-        {"nan", Word::nan}, {"inf", Word::inf}, {"max", Word::max}, {"min", Word::min}, {"tiny", Word::tiny}};
+    constexpr std::pair<std::string_view, SpecialValue> words[] = {{"nan", SpecialValue::nan},
+                                                                   {"inf", SpecialValue::inf},
+                                                                   {"max", SpecialValue::max},
+                                                                   {"min", SpecialValue::min},
+                                                                   {"tiny", SpecialValue::tiny}};
     for (const auto& [name, word] : words) {
         if (rest.substr(has_sign ? 1 : 0) != name) continue;
-        if (!allows_special && (word == Word::nan || word == Word::inf))
+        if (!allows_special && (word == SpecialValue::nan || word == SpecialValue::inf))
             fail(node.where, "is " + std::string(name) + ", which is allowed in rays only; write a finite number");
         word_ = word;
         negative_ = is_negative;
@@ -131,12 +135,12 @@ Quantity::Quantity(const Node& node, bool allows_special) {
 double Quantity::value_in(const FloatFormat& f, int exponent) const {
     double x = 0;
     switch (word_) {
-        case Word::none: x = round_to_format(base_ == 0 ? base_ : Real(ldexp(base_, exponent)), f); break;
-        case Word::nan: x = std::numeric_limits<double>::quiet_NaN(); break;
-        case Word::inf: x = std::numeric_limits<double>::infinity(); break;
-        case Word::max: x = std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax); break;
-        case Word::min: x = std::ldexp(1.0, f.emin); break;
-        case Word::tiny: x = std::ldexp(1.0, f.emin - f.precision + 1); break;
+        case SpecialValue::none: x = round_to_format(base_ == 0 ? base_ : Real(ldexp(base_, exponent)), f); break;
+        case SpecialValue::nan: x = std::numeric_limits<double>::quiet_NaN(); break;
+        case SpecialValue::inf: x = std::numeric_limits<double>::infinity(); break;
+        case SpecialValue::max: x = std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax); break;
+        case SpecialValue::min: x = std::ldexp(1.0, f.emin); break;
+        case SpecialValue::tiny: x = std::ldexp(1.0, f.emin - f.precision + 1); break;
     }
     if (negative_) x = -x;
     if (ulps_ > 0) return rounding::next_up(x, f);

@@ -21,11 +21,11 @@ public:
 private:
     struct Term {
         int sign, number;
-        enum class Word { none, emax, emin, p } word;
+        enum class SpecialValue { none, emax, emin, p } word;
         int divisor;
     };
     /// Reads a parameter of a format that is at `position`, and moves `position` past it. False if none is there.
-    static bool read_word(std::string_view text, std::size_t& position, Term& term);
+    static bool read_special_value(std::string_view text, std::size_t& position, Term& term);
 
     std::vector<Term> terms_;
 };
@@ -42,8 +42,8 @@ public:
     [[nodiscard]] double value_in(const FloatFormat& f, int exponent) const;
 
 private:
-    enum class Word { none, nan, inf, max, min, tiny };
-    Word word_ = Word::none;
+    enum class SpecialValue { none, nan, inf, max, min, tiny };
+    SpecialValue word_ = SpecialValue::none;
     Real base_;
     bool negative_ = false;
     int ulps_ = 0;

@@ -23,7 +23,7 @@ double round_to_format(const Real& x, const FloatFormat& f) {
     return mpfr_get_d(raw, MPFR_RNDN);
 }
 
-double to_12_bits(double x) {
+double round_to_12_bits(double x) {
     if (x == 0) return 0;
     const int shift = 11 - std::ilogb(x);
     return std::ldexp(std::nearbyint(std::ldexp(x, shift)), -shift);

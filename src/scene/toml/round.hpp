@@ -12,6 +12,6 @@ namespace lostbits::scene::toml {
 double round_to_format(const Real& x, const FloatFormat& f);
 
 /// Rounds x to 12 significant bits. Products and sums of a few such numbers are exact in binary32.
-double to_12_bits(double x);
+double round_to_12_bits(double x);
 
 }  // namespace lostbits::scene::toml

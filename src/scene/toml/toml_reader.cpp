@@ -186,7 +186,7 @@ Vec<Real> TableReader::vec3(std::string_view key) {
     return {xyz[0], xyz[1], xyz[2]};
 }
 
-std::size_t TableReader::choice(std::string_view key, const std::vector<std::string>& names) {
+std::size_t TableReader::index_of_choice(std::string_view key, const std::vector<std::string>& names) {
     const Node& node = require(key, fmt::format("one of \"{}\"", fmt::join(names, "\", \"")));
     const std::string& name = as_text(node, path_to(key));
     const auto found = std::find(names.begin(), names.end(), name);

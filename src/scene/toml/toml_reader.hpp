@@ -69,7 +69,7 @@ public:
     /// A string that is one of the given names.
     template <class E>
     E one_of(std::string_view key, std::span<const std::pair<std::string_view, E>> choices) {
-        return choices[choice(key, names_of(choices))].second;
+        return choices[index_of_choice(key, names_of(choices))].second;
     }
     template <class E>
     std::optional<E> optional_one_of(std::string_view key, std::span<const std::pair<std::string_view, E>> choices) {
@@ -118,7 +118,7 @@ public:
 private:
     const Node* request(std::string_view key);
     const Node& require(std::string_view key, std::string_view expected);
-    std::size_t choice(std::string_view key, const std::vector<std::string>& names);
+    std::size_t index_of_choice(std::string_view key, const std::vector<std::string>& names);
 
     template <class E>
     static std::vector<std::string> names_of(std::span<const std::pair<std::string_view, E>> choices) {

@@ -8,7 +8,7 @@ namespace lostbits {
 
 /// Calls `act` on the cylinder between the ends of a capsule, and on the balls at both ends.
 template <class T, class Act>
-void each_part(const Capsule<T>& capsule, const Act& act) {
+void for_each_part(const Capsule<T>& capsule, const Act& act) {
     act(Cylinder<T>{capsule.start, capsule.end, capsule.radius});
     act(Sphere<T>{capsule.start, capsule.radius});
     act(Sphere<T>{capsule.end, capsule.radius});

@@ -83,21 +83,21 @@ struct Cone {
     /// Returns the signed distance of a point from the side or from the caps, whichever is larger, in units of
     /// `unit()`, positive outside.
     [[nodiscard]] T relative_distance(const Vec<T>& p) const {
-        const Profile profile(*this, p);
+        const AxialSection profile(*this, p);
         return max(profile.side_distance(), profile.cap_distance()) / unit();
     }
     /// Returns the larger radius.
     [[nodiscard]] T unit() const { return max(base_radius, top_radius); }
     /// Returns the signed distance of a point from the surface, negative inside.
     [[nodiscard]] T distance(const Vec<T>& p) const {
-        const Profile profile(*this, p);
+        const AxialSection profile(*this, p);
         const T signed_distance = max(profile.side_distance(), profile.cap_distance());
         return select(signed_distance <= T(0), signed_distance, profile.distance_to_nearest());
     }
     /// Returns the outward unit normal at the point p of a ray: that of the side or of the cap, whichever is nearer to
     /// p.
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
-        const Profile profile(*this, p);
+        const AxialSection profile(*this, p);
         const Vec<T> v = axis(), w = perpendicular_to_axis(p);
         const auto is_cap = profile.cap_distance() > profile.side_distance();
         const T end_sign = select(profile.y + profile.y < profile.height, T(-1), T(1));
@@ -119,7 +119,7 @@ struct Cone {
 private:
     /// A point and the cone in a plane through the axis: x is the distance from the axis, and y the position along the
     /// axis from the base.
-    struct Profile {
+    struct AxialSection {
         struct Point {
             T x, y;
         };
@@ -127,7 +127,7 @@ private:
         T fall;   ///< decrease of the radius from the base to the top
         T slant;  ///< length of the side
 
-        Profile(const Cone& cone, const Vec<T>& p)
+        AxialSection(const Cone& cone, const Vec<T>& p)
             : height(length(cone.axis())),
               x(length(cross(cone.axis(), Vec<T>(p - cone.base))) / height),
               y(dot(cone.axis(), Vec<T>(p - cone.base)) / height),
@@ -166,7 +166,7 @@ private:
         return f - (dot(v, f) / square(v)) * v;
     }
     [[nodiscard]] Vec<T> project_onto_surface(const Vec<T>& p) const {
-        const Profile profile(*this, p);
+        const AxialSection profile(*this, p);
         const auto nearest_point = profile.nearest();
         const Vec<T> w = perpendicular_to_axis(p);
         return base + (nearest_point.y / profile.height) * axis() + (nearest_point.x / length(w)) * w;

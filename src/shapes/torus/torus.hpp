@@ -41,9 +41,9 @@ struct Torus {
 
     /// Builds a torus with its axis along y. The rays at the plainest primitives run along z, and such a ray meets the
     /// torus four times.
-    static Torus around(const Vec<T>& p, const T& half) {
-        const T r = half / T(8);
-        return {p, {T(0), T(1), T(0)}, T(5) * r, T(3) * r};
+    static Torus around(const Vec<T>& middle, const T& half_extent) {
+        const T eighth = half_extent / T(8);
+        return {middle, {T(0), T(1), T(0)}, T(5) * eighth, T(3) * eighth};
     }
 
     [[nodiscard]] Vec<T> middle() const { return centre; }
@@ -54,9 +54,9 @@ struct Torus {
     [[nodiscard]] Vec<T> point_at(const Vec<T>& u) const {
         const PerpendicularAxes<T> axes(axis);
         const T x = 2 * u.x - 1, y = 2 * u.y - 1, size = sqrt(square(x) + square(y));
-        const T r = major_radius + (2 * u.z - 1) * minor_radius;
-        if (size == 0) return centre + r * axes.first;
-        return centre + (r * x / size) * axes.first + (r * y / size) * axes.second;
+        const T axis_distance = major_radius + (2 * u.z - 1) * minor_radius;
+        if (size == 0) return centre + axis_distance * axes.first;
+        return centre + (axis_distance * x / size) * axes.first + (axis_distance * y / size) * axes.second;
     }
     /// Returns the torus scaled by `factor`. Its surface point nearest to `viewpoint` does not move. Returns nothing if
     /// there is no single nearest point.
@@ -73,15 +73,19 @@ struct Torus {
     /// − r²)² n² ≤ 4 R² |n × p|² becomes
     ///     n² (x² + e)² − 4 R² |n × g + x n × d|² ≤ 0,   e = a (R² − r²) + w²,
     /// a quartic without a cubic term. Only w and g in it are of the size of f. On the line x² ≤ a (R + r)². The sign
-    /// of the discriminant says whether a root is double; it is a dyadic polynomial of degree 34.
+    /// of the discriminant says whether a root is double; it is a dyadic polynomial of degree 34. The names of the
+    /// constants below are these letters: `n_cross_g` is n × g, `n2` is n².
     [[nodiscard]] QuarticSpan<T> span(const Ray<T>& ray) const {
         const Vec<T>& d = ray.direction;
-        const Vec<T> f = ray.origin - centre, w = cross(f, d), m = cross(axis, cross(d, w)), k = cross(axis, d);
-        const T a = square(d), n = square(axis), outer_radius = major_radius + minor_radius,
+        const Vec<T> f = ray.origin - centre, w = cross(f, d);
+        const Vec<T> n_cross_g = cross(axis, cross(d, w)), n_cross_d = cross(axis, d);
+        const T a = square(d), n2 = square(axis), outer_radius = major_radius + minor_radius,
                 four_r2 = square(T(2) * major_radius);
         const T e = a * (outer_radius * (major_radius - minor_radius)) + square(w);
-        const T p = T(2) * (n * e) - four_r2 * square(k), q = T(-2) * (four_r2 * dot(m, k));
-        return {.f = {{n * square(e) - four_r2 * square(m), q, p, T(0), n}, 4},
+        const T constant_term = n2 * square(e) - four_r2 * square(n_cross_g),
+                linear_term = T(-2) * (four_r2 * dot(n_cross_g, n_cross_d)),
+                square_term = T(2) * (n2 * e) - four_r2 * square(n_cross_d);
+        return {.f = {{constant_term, linear_term, square_term, T(0), n2}, 4},
                 .a = a,
                 .b = dot(f, d),
                 .bound = T(2) * (sqrt(a) * outer_radius),
@@ -89,17 +93,20 @@ struct Torus {
     }
     /// Returns the polynomial of `span` in t: n² (p² + R² − r²)² − 4 R² |n × p|² with p = f + t d, since x = a t + d·f
     /// and |n × p|² = n² p² − (n·p)². It is computed by + − × alone, so number types without roots and quotients can be
-    /// used.
+    /// used. The names of the constants below are the letters of that formula: `n_f` is n·f, `n2` is n².
     [[nodiscard]] Polynomial<T> polynomial_along(const Ray<T>& ray) const {
         const auto dot_product = [](const Vec<T>& u, const Vec<T>& v) { return u.x * v.x + u.y * v.y + u.z * v.z; };
         const Vec<T>&o = ray.origin, &d = ray.direction;
         const Vec<T> f(o.x - centre.x, o.y - centre.y, o.z - centre.z);
-        const T n = dot_product(axis, axis), u = dot_product(axis, f), v = dot_product(axis, d), f2 = dot_product(f, f),
-                h = dot_product(f, d), a = dot_product(d, d);
-        const T s = f2 + (major_radius + minor_radius) * (major_radius - minor_radius);
-        const T four_r2 = T(4) * (major_radius * major_radius), ns = n * s, nh = n * h, na = n * a;
-        return {{ns * s - four_r2 * (n * f2 - u * u), T(4) * (ns * h) - T(2) * (four_r2 * (nh - u * v)),
-                 T(4) * (nh * h) + T(2) * (na * s) - four_r2 * (na - v * v), T(4) * (nh * a), na * a},
+        const T n2 = dot_product(axis, axis), n_f = dot_product(axis, f), n_d = dot_product(axis, d),
+                f2 = dot_product(f, f), f_d = dot_product(f, d), d2 = dot_product(d, d);
+        const T sum_at_origin = f2 + (major_radius + minor_radius) * (major_radius - minor_radius);  // p² + R² − r²
+        const T four_r2 = T(4) * (major_radius * major_radius);
+        const T n2_sum = n2 * sum_at_origin, n2_f_d = n2 * f_d, n2_d2 = n2 * d2;
+        return {{n2_sum * sum_at_origin - four_r2 * (n2 * f2 - n_f * n_f),
+                 T(4) * (n2_sum * f_d) - T(2) * (four_r2 * (n2_f_d - n_f * n_d)),
+                 T(4) * (n2_f_d * f_d) + T(2) * (n2_d2 * sum_at_origin) - four_r2 * (n2_d2 - n_d * n_d),
+                 T(4) * (n2_f_d * d2), n2_d2 * d2},
                 4};
     }
     /// Returns the signed distance of a point from the surface, in units of `unit()`, positive outside.
@@ -111,8 +118,8 @@ struct Torus {
     }
     [[nodiscard]] Vec<T> outward_normal(const Ray<T>&, const Vec<T>& p) const {
         const RelativeToCircle relative(*this, p);
-        const T k = T(1) / relative.circle_distance;
-        return {k * relative.from_circle.x, k * relative.from_circle.y, k * relative.from_circle.z};
+        const T scale = T(1) / relative.circle_distance;
+        return {scale * relative.from_circle.x, scale * relative.from_circle.y, scale * relative.from_circle.z};
     }
     [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point q + v (r/|v|) with its error bound. With c the centre, w is the part of f = p − c
@@ -143,8 +150,8 @@ private:
 
     private:
         static Vec<T> part_across_axis(const Torus& torus, const Vec<T>& p) {
-            const Vec<T> f = p - torus.centre;
-            return f - (dot(torus.axis, f) / square(torus.axis)) * torus.axis;
+            const Vec<T> from_centre = p - torus.centre;
+            return from_centre - (dot(torus.axis, from_centre) / square(torus.axis)) * torus.axis;
         }
     };
 

@@ -82,7 +82,7 @@ struct Triangle {
     /// Returns the barycentric coordinates (x, y, z) of the point x a + y b + z c at which the line crosses the plane:
     /// the three numbers of `span` whose signs say on which sides of the edges the line passes, divided by their sum
     /// d·n.
-    [[nodiscard]] Vec<T> weights(const Ray<T>& ray) const {
+    [[nodiscard]] Vec<T> barycentric_coordinates(const Ray<T>& ray) const {
         return (T(1) / dot(ray.direction, normal())) * volumes(ray);
     }
     /// Returns the signed distance of a point from the plane, in units of `unit()`, positive on the side that n points

@@ -60,7 +60,7 @@ TEST_CASE("a row behind a box is named after form, box and method, and shapes wi
         boxed_form(box_method_named("pbrt"), form("box.pbrt_padded"),
                    intersect::transform::transformed_form(test::transform_method_named("pbrt"), row));
     CHECK(two.info->name == "sphere.unified^box.signs@pbrt^box.pbrt_padded~pbrt");
-    CHECK(two.shapes() == Shapes(Shape::sphere).placed());
+    CHECK(two.shapes() == Shapes(Shape::sphere).with_transform());
     CHECK(&intersect::bounding_box::innermost_form(two) == &sphere);
     CHECK(intersect::bounding_box::with_other_form(two, form("sphere.schoolbook")).info->name ==
           "sphere.schoolbook^box.signs@pbrt^box.pbrt_padded~pbrt");
@@ -237,7 +237,7 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
     };
     const auto moved_by = [](const Primitive<double>& bare, double x) {
         Primitive<double> primitive = bare;
-        primitive.placed = Placement<double>{{1, 0, 0, static_cast<float>(x), 0, 1, 0, 0, 0, 0, 1, 0}, false, 1};
+        primitive.transform = Transform<double>{{1, 0, 0, static_cast<float>(x), 0, 1, 0, 0, 0, 0, 1, 0}, false, 1};
         return primitive;
     };
     // A box moved by 7401.1: in float x + 7401.1 rounds by up to 2^-12. Rays that begin in the plane of a rounded face
@@ -272,9 +272,9 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
     for (int n = 0; n < 3000; ++n) {
         Primitive<double> primitive = round_primitive(Box<double>{Vec<double>(-0.5), Vec<double>(0.5)}, binary32);
         const double turn = r.uniform(0, 6), c = std::cos(turn), sn = std::sin(turn), x = r.uniform(7000, 9000);
-        primitive.placed = transformed(Placement<double>{{c, -sn, 0, x, sn, c, 0, 0, 0, 0, 1, 0}, false, 1},
-                                       [](double m) { return rounding::to_format(m, 0, binary32); });
-        const Vec<double> edge = primitive.placed->map().point({0.5, 0.5, r.uniform(-0.4, 0.4)}), d = r.vec(-1, 1);
+        primitive.transform = convert_numbers(Transform<double>{{c, -sn, 0, x, sn, c, 0, 0, 0, 0, 1, 0}, false, 1},
+                                              [](double m) { return rounding::to_format(m, 0, binary32); });
+        const Vec<double> edge = primitive.transform->map().point({0.5, 0.5, r.uniform(-0.4, 0.4)}), d = r.vec(-1, 1);
         const Ray<double> ray{test::stored(Vec<double>(edge - 4.0 * d), binary32), test::stored(d, binary32)};
         if (!measure::truth::find_truth(ray, primitive).is_hit()) continue;
         const Intersector& asked = *row("box.filtered", "box.signs", "box.signs", "outward");
@@ -320,7 +320,7 @@ TEST_CASE("one primitive for all rays and one for each ray give the same answers
     int hits = 0;
     for (std::size_t i = 0; i < each.size(); ++i) {
         const Ray<double> ray{{x[0][i], x[1][i], x[2][i]}, {x[3][i], x[4][i], x[5][i]}};
-        const auto primitive = transformed(each[i], [](float n) { return double{n}; });
+        const auto primitive = convert_numbers(each[i], [](float n) { return double{n}; });
         const auto alone = evaluate_one(row, f32, ray, primitive, HUGE_VAL);
         REQUIRE(alone.has_value() == (hit[i] != 0));
         if (alone) REQUIRE(static_cast<float>(*alone) == t[i]);

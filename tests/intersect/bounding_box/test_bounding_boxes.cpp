@@ -100,9 +100,9 @@ TEST_CASE("the box rounded outward is the smallest one, and other boxes differ b
                 const ExactBox own = exact_box(primitive);
                 std::array<double, 12> m{};
                 for (double& x : m) x = rounding::to_format(r.uniform(-2, 2), 0, format.parameters);
-                const bool placed = n % 2 == 1;
-                if (placed) primitive.placed = Placement<double>{m, false, orientation_of(m)};
-                const ExactBox exact = placed ? exact_box_in_world(own, m) : own;
+                const bool has_transform = n % 2 == 1;
+                if (has_transform) primitive.transform = Transform<double>{m, false, orientation_of(m)};
+                const ExactBox exact = has_transform ? exact_box_in_world(own, m) : own;
                 const BoundingBox<double> least = box_method_named("outward").compute_box(format, primitive);
                 const BoundingBox<double> near = box_method_named("nearest").compute_box(format, primitive);
                 const BoundingBox<double> next = box_method_named("next").compute_box(format, primitive);
@@ -114,7 +114,7 @@ TEST_CASE("the box rounded outward is the smallest one, and other boxes differ b
                     REQUIRE(up(least.lo[i]) > exact.lo[k]);
                     REQUIRE(Rational(least.hi[i]) >= exact.hi[k]);
                     REQUIRE(down(least.hi[i]) < exact.hi[k]);
-                    if (placed) continue;
+                    if (has_transform) continue;
                     // c − r rounds once, to one of the two numbers around it, and the next number outward encloses it.
                     REQUIRE((near.lo[i] == least.lo[i] || Rational(near.lo[i]) == up(least.lo[i])));
                     REQUIRE((near.hi[i] == least.hi[i] || Rational(near.hi[i]) == down(least.hi[i])));
@@ -134,7 +134,7 @@ TEST_CASE("corners transformed to world space in the format leave part of the pr
         Primitive<double> primitive = random_primitive(r, bounding_box_shape, f32);
         std::array<double, 12> m{};
         for (double& x : m) x = static_cast<float>(r.uniform(-2, 2));
-        primitive.placed = Placement<double>{m, false, orientation_of(m)};
+        primitive.transform = Transform<double>{m, false, orientation_of(m)};
         const BoundingBox<double> least = box_method_named("outward").compute_box(f32, primitive);
         for (const BoxMethod& method : box_methods()) {
             const BoundingBox<double> box = method.compute_box(f32, primitive);

@@ -65,16 +65,17 @@ TEST_CASE("the tape of a row behind a box answers as its kernel, and its inputs 
     int hits = 0, culled = 0;
     for (int n = 0; n < test::draws(2000); ++n) {
         Primitive<double> primitive = round_primitive(Sphere<double>{r.vec(-1, 1), r.uniform(0.5, 2)}, binary32);
-        for (const bool placed : {false, true}) {
-            if (placed) primitive.placed = Placement<double>{{2, 0, 0, 7, 0, 1, 0, 0, 0, 1, 1, -3}, false, 1};
-            const Vec<double> middle = placed ? primitive.placed->map().point(primitive.point(0)) : primitive.point(0);
+        for (const bool has_transform : {false, true}) {
+            if (has_transform) primitive.transform = Transform<double>{{2, 0, 0, 7, 0, 1, 0, 0, 0, 1, 1, -3}, false, 1};
+            const Vec<double> middle =
+                has_transform ? primitive.transform->map().point(primitive.point(0)) : primitive.point(0);
             const Vec<double> origin = test::stored(r.vec(-6, 6), binary32);
             const Ray<double> ray{origin, test::stored(Vec<double>(middle + r.vec(-2, 2) - origin), binary32)};
             const Intersector& inner =
                 boxed_form(box_method_named("nearest"), form("box.signs"), form("sphere.unified"));
-            const Intersector& row = placed ? boxed_form(box_method_named("pbrt"), form("box.pbrt_padded"),
-                                                         intersect::transform::transformed_form(plain, inner))
-                                            : inner;
+            const Intersector& row = has_transform ? boxed_form(box_method_named("pbrt"), form("box.pbrt_padded"),
+                                                                intersect::transform::transformed_form(plain, inner))
+                                                   : inner;
             Tape tape;
             row.record(f32, ray, intersect::Target<double>(primitive), HUGE_VAL, tape);
             const auto answer = evaluate_one(row, f32, ray, primitive, HUGE_VAL);
@@ -86,7 +87,7 @@ TEST_CASE("the tape of a row behind a box answers as its kernel, and its inputs 
             const auto inputs = std::ranges::count(tape.nodes, TapeOp::input, &TapeNode::op);
             REQUIRE(names.size() == static_cast<std::size_t>(inputs));
             CHECK(names.back() == "box.hi.z");
-            CHECK((std::ranges::find(names, "world_box.lo.x") != names.end()) == placed);
+            CHECK((std::ranges::find(names, "world_box.lo.x") != names.end()) == has_transform);
         }
     }
     CHECK(hits > 50);

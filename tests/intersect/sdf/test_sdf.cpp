@@ -53,15 +53,15 @@ void compare_widths(std::uint64_t seed) {
         const DrawnField field = draw_field(random, static_cast<std::size_t>(random.between(0, 70)));
         for (std::size_t form = 0; form < intersect::form_count; ++form) {
             if (intersect::table::intersectors()[form].shape != Shape::sdf) continue;
-            const auto kernel_of = [](const intersect::simd::PackedRow& row) {
+            const auto kernel_of = [](const intersect::simd::PackedFormKernels& row) {
                 if constexpr (std::same_as<S, float>) return row.f32;
                 else return row.f64;
             };
-            const auto want =
-                run<S>(kernel_of(intersect::simd::packed_rows(intersect::simd::Isa::scalar)[form]), field, false);
+            const auto want = run<S>(kernel_of(intersect::simd::all_packed_kernels(intersect::simd::Isa::scalar)[form]),
+                                     field, false);
             for (const auto h : want.hit) ++(h ? hits : misses);
             for (const intersect::simd::Isa isa : intersect::simd::available_isas()) {
-                const auto got = run<S>(kernel_of(intersect::simd::packed_rows(isa)[form]), field, false);
+                const auto got = run<S>(kernel_of(intersect::simd::all_packed_kernels(isa)[form]), field, false);
                 INFO(intersect::table::intersectors()[form].info->name << " at " << name_of(isa));
                 CHECK(got.hit == want.hit);
                 CHECK(got.t == want.t);
@@ -106,7 +106,7 @@ TEST_CASE("distance fields: marches agree with the seed's table, and meet a box 
     CHECK(box.distance({4, 6, 0}) == 5);    // 3-4-5 beside an edge
     CHECK(box.distance({-3, 5, -9}) == 7);  // 2-3-6-7 off a corner
     const Primitive<double> both[] = {Primitive<double>(unit), Primitive<double>(Box<double>{{2, -1, -1}, {3, 1, 1}})};
-    const intersect::table::Union<double> field{std::span<const Primitive<double>>(both)};
+    const intersect::table::UnionField<double> field{std::span<const Primitive<double>>(both)};
     CHECK(field({1.25, 0, 0}) == 0.25);
     CHECK(field({1.75, 0, 0}) == 0.25);
     CHECK(field({2.25, 0, 0}) == -0.25);

@@ -76,13 +76,13 @@ struct Answers {
 };
 
 template <class S>
-auto kernel_of(const intersect::simd::PackedRow& row) {
+auto kernel_of(const intersect::simd::PackedFormKernels& row) {
     if constexpr (std::same_as<S, float>) return row.f32;
     else return row.f64;
 }
 
 template <class S>
-Answers<S> run(const intersect::simd::PackedRow& row, const Primitive<S>& primitive,
+Answers<S> run(const intersect::simd::PackedFormKernels& row, const Primitive<S>& primitive,
                const intersect::table::RayBatch<S>& rays) {
     Answers<S> answers(rays.size());
     kernel_of<S>(row)(rays, primitive, answers.batch());
@@ -90,7 +90,7 @@ Answers<S> run(const intersect::simd::PackedRow& row, const Primitive<S>& primit
 }
 
 template <class S>
-Answers<S> run(const intersect::simd::PackedRow& row, const Scene<S>& scene) {
+Answers<S> run(const intersect::simd::PackedFormKernels& row, const Scene<S>& scene) {
     const auto& c = scene.column;
     return run(row, scene.primitive, intersect::table::RayBatch<S>{c[0], c[1], c[2], c[3], c[4], c[5], scene.tmax});
 }

@@ -12,7 +12,7 @@ namespace {
 template <class S>
 void compare_forms(Shape shape) {
     const std::vector<Scene<S>> all = draw_scenes<S>(shape, share(shape, 100));
-    const auto native = intersect::simd::packed_rows(Isa::scalar);
+    const auto native = intersect::simd::all_packed_kernels(Isa::scalar);
     for (std::size_t form = 0; form < native.size(); ++form) {
         if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
         Tally tally;
@@ -22,7 +22,7 @@ void compare_forms(Shape shape) {
             tally.note(want);
             for (const Isa isa : intersect::simd::available_isas())
                 wrong[static_cast<std::size_t>(isa)] +=
-                    differences(run(intersect::simd::packed_rows(isa)[form], scene), want);
+                    differences(run(intersect::simd::all_packed_kernels(isa)[form], scene), want);
         }
         INFO(native[form].info->name << ": finite hits " << tally.finite_hits << ", misses " << tally.misses << ", NaN "
                                      << tally.not_a_number << " of " << tally.rays);
@@ -34,7 +34,7 @@ void compare_forms(Shape shape) {
 /// Every size from nothing to the whole scene, each column ending where a page ends.
 template <class S>
 void compare_sizes(Shape shape, const Scene<S>& scene) {
-    const auto native = intersect::simd::packed_rows(Isa::scalar);
+    const auto native = intersect::simd::all_packed_kernels(Isa::scalar);
     for (std::size_t n = 0; n <= scene.size(); ++n) {
         const auto first = [&](const std::vector<S>& all) {
             return Cornered<S>(std::span(all).first(std::min(n, all.size())));
@@ -48,7 +48,7 @@ void compare_sizes(Shape shape, const Scene<S>& scene) {
         for (const Isa isa : intersect::simd::available_isas())
             for (std::size_t form = 0; form < native.size(); ++form) {
                 if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
-                const Answers<S> got = run(intersect::simd::packed_rows(isa)[form], scene.primitive, rays);
+                const Answers<S> got = run(intersect::simd::all_packed_kernels(isa)[form], scene.primitive, rays);
                 INFO(native[form].info->name << " in " << name_of(isa) << ", " << n << " rays");
                 CHECK(differences(got, run(native[form], scene.primitive, rays)) == 0);
                 CHECK(got.margin_is_untouched());
@@ -82,7 +82,7 @@ TEST_CASE("a packed box kernel respects the end of each ray", "[intersect][packe
     for (const intersect::simd::Isa isa : intersect::simd::available_isas())
         for (std::size_t form = 0; form < native.size(); ++form) {
             if (native[form].shape != Shape::box) continue;
-            const Answers<float> got = run(intersect::simd::packed_rows(isa)[form], scene);
+            const Answers<float> got = run(intersect::simd::all_packed_kernels(isa)[form], scene);
             INFO(native[form].info->name << " in " << name_of(isa));
             for (std::size_t k = 0; k < n; ++k) CHECK(got.hit[k] == (k % 3 != 0));
         }
@@ -91,7 +91,7 @@ TEST_CASE("a packed box kernel respects the end of each ray", "[intersect][packe
 TEST_CASE("the packed table has the rows of the catalogue", "[intersect][packed]") {
     const auto rows = intersect::table::intersectors();
     for (const Isa isa : intersect::simd::available_isas()) {
-        const auto packed = packed_rows(isa);
+        const auto packed = all_packed_kernels(isa);
         INFO(name_of(isa));
         REQUIRE(packed.size() == rows.size());
         for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -113,7 +113,7 @@ TEST_CASE("register widths have names, and the widest is the default", "[interse
     CHECK(intersect::simd::best_isa() == isas.back());
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
         CHECK(intersect::simd::find_isa(name_of(isa)) == isa);
-        CHECK(packed_rows(isa).empty() == (std::find(isas.begin(), isas.end(), isa) == isas.end()));
+        CHECK(all_packed_kernels(isa).empty() == (std::find(isas.begin(), isas.end(), isa) == isas.end()));
     }
     CHECK(name_of(Isa::w256) == "256");
     CHECK_FALSE(intersect::simd::find_isa("1024"));
@@ -128,15 +128,15 @@ TEST_CASE("the current register width selects the kernels of this table's rows o
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
         INFO(name_of(isa));
         const Isa before = intersect::simd::current_isa();
-        if (packed_rows(isa).empty()) {
+        if (all_packed_kernels(isa).empty()) {
             CHECK_THROWS_AS(set_isa(isa), EnvironmentError);
             CHECK(intersect::simd::current_isa() == before);
             continue;
         }
         set_isa(isa);
         CHECK(intersect::simd::current_isa() == isa);
-        CHECK(intersect::simd::packed_kernels(form).f32 == packed_rows(isa).front().f32);
-        CHECK(intersect::simd::packed_kernels(form).f64 == packed_rows(isa).front().f64);
+        CHECK(intersect::simd::packed_kernels(form).f32 == all_packed_kernels(isa).front().f32);
+        CHECK(intersect::simd::packed_kernels(form).f64 == all_packed_kernels(isa).front().f64);
         CHECK(intersect::simd::packed_kernels(stranger).f32 == stranger.native32);
     }
     intersect::simd::set_isa(intersect::simd::best_isa());

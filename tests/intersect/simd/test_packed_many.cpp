@@ -52,7 +52,7 @@ struct Expected {
 };
 
 template <class S>
-Expected<S> one_by_one(const intersect::simd::PackedRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
+Expected<S> one_by_one(const intersect::simd::PackedFormKernels& row, Shape shape, const Drawn<S>& d, std::size_t n) {
     Expected<S> e;
     for (std::size_t i = 0; i < n; ++i) {
         Scene<S> scene;
@@ -69,7 +69,7 @@ Expected<S> one_by_one(const intersect::simd::PackedRow& row, Shape shape, const
 
 /// The first n primitives, columns that end where a page ends, answers with a margin that stays.
 template <class S>
-Expected<S> at_once(const intersect::simd::ManyRow& row, Shape shape, const Drawn<S>& d, std::size_t n) {
+Expected<S> at_once(const intersect::simd::ManyFormKernels& row, Shape shape, const Drawn<S>& d, std::size_t n) {
     std::array<std::unique_ptr<const Cornered<S>>, max_shape_numbers> columns;
     intersect::simd::PrimitiveArrays<S> primitives;
     for (std::size_t c = 0; c < row_of(shape).numbers; ++c) {
@@ -94,7 +94,7 @@ Expected<S> at_once(const intersect::simd::ManyRow& row, Shape shape, const Draw
 template <class S>
 void compare(Shape shape) {
     Random random(11);
-    const auto native = intersect::simd::packed_rows(Isa::scalar);
+    const auto native = intersect::simd::all_packed_kernels(Isa::scalar);
     std::vector<Drawn<S>> all;
     for (std::size_t k = 0; k < share(shape, 160); ++k) all.push_back(draw<S>(random, shape, k, 2 * widest + 3));
     for (std::size_t form = 0; form < native.size(); ++form) {
@@ -107,7 +107,7 @@ void compare(Shape shape) {
             hits += static_cast<std::size_t>(std::count(want.hit.begin(), want.hit.end(), 1));
             rays += n;
             for (const Isa isa : intersect::simd::available_isas()) {
-                const Expected<S> got = at_once(intersect::simd::many_rows(isa)[form], shape, all[k], n);
+                const Expected<S> got = at_once(intersect::simd::all_many_kernels(isa)[form], shape, all[k], n);
                 for (std::size_t i = 0; i < n; ++i)
                     wrong[static_cast<std::size_t>(isa)] +=
                         !same(got.t[i], want.t[i]) || (!takes_tmax(shape) && got.hit[i] != want.hit[i]);
@@ -133,9 +133,9 @@ TEST_CASE("rows for many primitives are the catalogue's binary64 rows, with kern
           "[intersect][packed]") {
     const auto rows = intersect::table::intersectors();
     for (const Isa isa : {Isa::scalar, Isa::w128, Isa::w256, Isa::w512}) {
-        const auto many = intersect::simd::many_rows(isa);
+        const auto many = intersect::simd::all_many_kernels(isa);
         INFO(name_of(isa));
-        CHECK(many.size() == intersect::simd::packed_rows(isa).size());
+        CHECK(many.size() == intersect::simd::all_packed_kernels(isa).size());
         for (std::size_t i = 0; i < many.size(); ++i) {
             const bool primitive = is_primitive(rows[i].shape),
                        has64 = rows[i].native64 && intersect::simd::has_many_kernels(rows[i].shape);

@@ -29,7 +29,7 @@ Vec<double> rounded(const Vec<double>& v, const FloatFormat& format) {
 }
 
 /// A rotation by a quaternion of random numbers, a scale, and a translation, in floats, so that no rotation is exact.
-Placement<double> random_placement(Seeded& r, double scale, const FloatFormat& format) {
+Transform<double> random_transform(Seeded& r, double scale, const FloatFormat& format) {
     const double w = r.uniform(-1, 1), x = r.uniform(-1, 1), y = r.uniform(-1, 1), z = r.uniform(-1, 1);
     const double n = scale / (w * w + x * x + y * y + z * z);
     const Vec<double> shift = r.vec(-100, 100);
@@ -45,7 +45,7 @@ Placement<double> random_placement(Seeded& r, double scale, const FloatFormat& f
                                    n * 2 * (y * z + w * x),
                                    n * (w * w - x * x - y * y + z * z),
                                    shift.z};
-    return transformed(Placement<double>{m, false, 1}, [&](double number) { return rounded(number, format); });
+    return convert_numbers(Transform<double>{m, false, 1}, [&](double number) { return rounded(number, format); });
 }
 
 struct Asked {
@@ -56,10 +56,10 @@ struct Asked {
 /// A ray of the world that passes near the middle of the primitive, with a direction of length about one.
 Asked draw(Seeded& r, Shape shape, const FloatFormat& format, double scale = 1) {
     Asked a{primitive_around<double>(shape, r.vec(-1, 1), 1), {}};
-    a.primitive = transformed(a.primitive, [&](double number) { return rounded(number, format); });
+    a.primitive = convert_numbers(a.primitive, [&](double number) { return rounded(number, format); });
     const Vec<double> middle = visit(a.primitive, [](const auto& s) { return s.middle(); });
-    a.primitive.placed = random_placement(r, scale, format);
-    const Vec<double> at = a.primitive.placed->map().point(middle) + 0.4 * scale * r.vec(-1, 1);
+    a.primitive.transform = random_transform(r, scale, format);
+    const Vec<double> at = a.primitive.transform->map().point(middle) + 0.4 * scale * r.vec(-1, 1);
     Vec<double> d = r.vec(-1, 1);
     d = d / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
     a.ray = {rounded(at - 7.0 * d, format), rounded(d, format)};
@@ -94,7 +94,7 @@ One ask(const Kernel& kernel, const Asked& a) {
     S t{}, near{}, far{};
     std::uint8_t hit = 0;
     kernel({one(x[0]), one(x[1]), one(x[2]), one(x[3]), one(x[4]), one(x[5])},
-           Target<S>(transformed(a.primitive, [](double n) { return static_cast<S>(n); })),
+           Target<S>(convert_numbers(a.primitive, [](double n) { return static_cast<S>(n); })),
            {std::span(&t, 1), std::span(&near, 1), std::span(&far, 1), std::span(&hit, 1)});
     return {hit != 0, double{t}};
 }
@@ -113,7 +113,7 @@ TEST_CASE("a row with a transform is named after form and method, and has the re
         CHECK(&transformed_form(space, form) == &row);
         CHECK(intersect::transform::find_transformed_parts(row).method == &space);
         CHECK(intersect::transform::find_transformed_parts(row).form == &form);
-        CHECK(row.shapes() == Shapes(form.shape).placed());
+        CHECK(row.shapes() == Shapes(form.shape).with_transform());
         CHECK_THROWS_AS(transformed_form(space, row), InputError);
     }
     CHECK(intersect::transform::find_transformed_parts(form).method == nullptr);
@@ -183,7 +183,7 @@ std::vector<S> ask_together(const Kernel& kernel, const std::vector<Asked>& all)
     std::vector<S> t(all.size()), near(all.size()), far(all.size());
     std::vector<std::uint8_t> hit(all.size());
     kernel({x[0], x[1], x[2], x[3], x[4], x[5]},
-           Target<S>(transformed(all.front().primitive, [](double n) { return static_cast<S>(n); })),
+           Target<S>(convert_numbers(all.front().primitive, [](double n) { return static_cast<S>(n); })),
            {t, near, far, hit});
     for (std::size_t i = 0; i < t.size(); ++i) t[i] = hit[i] != 0 ? t[i] : S(-1);
     return t;
@@ -203,7 +203,7 @@ TEST_CASE("batches with a transform answer as single rays at every register widt
                 all.push_back(draw(r, form->shape, binary32, 3));
                 all.back().primitive = all.front().primitive;
                 const Vec<double> middle = visit(all.front().primitive, [](const auto& s) { return s.middle(); });
-                const Vec<double> at = all.front().primitive.placed->map().point(middle) + 1.2 * r.vec(-1, 1);
+                const Vec<double> at = all.front().primitive.transform->map().point(middle) + 1.2 * r.vec(-1, 1);
                 all.back().ray.origin = rounded(at - 7.0 * all.back().ray.direction, binary32);
             }
             for (const auto isa : intersect::simd::available_isas()) {
@@ -231,8 +231,8 @@ TEST_CASE("errors assigned to the steps sum to the total, and a stored inverse h
                 Seeded r(11);
                 for (int i = 0; i < 12; ++i) {
                     Asked a = draw(r, form->shape, format.parameters, 2);
-                    a.primitive.placed->is_inverse = i % 3 == 2;
-                    if (a.primitive.placed->is_inverse) a.ray.origin = rounded(a.ray.origin, format.parameters);
+                    a.primitive.transform->is_inverse = i % 3 == 2;
+                    if (a.primitive.transform->is_inverse) a.ray.origin = rounded(a.ray.origin, format.parameters);
                     CAPTURE(i, format.name, a.ray.origin.x, a.ray.direction.x);
                     const auto steps = measure::answer::measure_steps(row, format, a.ray, a.primitive);
                     if (!format.is_emulated() && steps.t.back())
@@ -246,7 +246,7 @@ TEST_CASE("errors assigned to the steps sum to the total, and a stored inverse h
                     const double whole = measure::truth::scaled_difference(*steps.t.back(), *steps.t.front(), ulp);
                     REQUIRE(std::fabs(sum - whole) <= 1e-9 * (1 + size));
                     // Other methods also need the matrix to the world, and invert it.
-                    if (a.primitive.placed->is_inverse && space.info->name == "plain")
+                    if (a.primitive.transform->is_inverse && space.info->name == "plain")
                         REQUIRE(std::fabs(steps.error(0, ulp)) < 1e-6);
                     if (row.info->name.ends_with("@plain") && steps.worst())
                         REQUIRE(std::fabs(steps.error(*steps.worst(), ulp)) <= size);

@@ -97,7 +97,7 @@ TEST_CASE("the nearest of two triangles is chosen among those that face the ray"
         CHECK(find_truth(ray, primitives, {}, asked).primitive == object);
         // A mirror does not change a side that is decided in the space of the primitive.
         Primitive<double> mirrored(far);
-        mirrored.placed = placement_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
+        mirrored.transform = transform_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
         CHECK(find_truth(ray, mirrored, {}, asked).is_hit() == (facing != Facing::back));
     }
 }

@@ -57,7 +57,7 @@ inline Setting draw_setting(Random& random, const intersect::table::Intersector&
         s.primitives.push_back(Triangle<double>{vertex(1, -1, 0.25), vertex(-1, 0.5, 1), vertex(0.125, 1, -1)});
     else if (form.shape == Shape::ellipsoid) s.primitives.push_back(Ellipsoid<double>{centre, half});
     else if (is_primitive(form.shape))
-        s.primitives.push_back(transformed(primitive_around<double>(form.shape, centre, radius), in_format));
+        s.primitives.push_back(convert_numbers(primitive_around<double>(form.shape, centre, radius), in_format));
     else s.primitives.push_back(Sphere<double>{centre, radius});
     if (form.shape == Shape::sdf) s.primitives.push_back(box_at(vec(3)));
     s.ray.origin = Vec<double>(in_format(far * 6 * any()), in_format(far * 6 * any()), in_format(far * 6 * any()));

@@ -65,7 +65,7 @@ TEST_CASE("the exact value of an answer is the result of the form without roundi
                          const Attribution a = measure::attribution::attribute(tape, tape.outputs.t);
                          const auto self = measure::answer::evaluate_exactly(form, s.ray, s.target(form));
                          if (!self || a.loop_was_cut_short) return;
-                         REQUIRE(a.exact_hit);
+                         REQUIRE(a.is_exact_hit);
                          const double exact = a[tape.outputs.t].exact;
                          REQUIRE(std::fabs(measure::truth::scaled_difference(measure::truth::as_certified(exact), *self,
                                                                              self->exponent)) <= 0x1p-50);
@@ -111,7 +111,7 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
         REQUIRE(b.exact_bits == 2048);
         quick += a.exact_bits == 106;
         REQUIRE(a.subject == b.subject);
-        REQUIRE(a.exact_hit == b.exact_hit);
+        REQUIRE(a.is_exact_hit == b.is_exact_hit);
         sums_up(a, rest);
         if (!sums_up(b, rest)) return;
         derives(form, tape, b);
@@ -196,7 +196,7 @@ TEST_CASE("a decision changed by rounding is attributed to the operands of the c
     tape.outputs = {hit.node(), t.node(), t.node(), t.node()};
     const Attribution a = measure::attribution::attribute(tape);
     CHECK(a.subject == missed.node());
-    CHECK(a.exact_hit);
+    CHECK(a.is_exact_hit);
     CHECK(a.error == -0x1p-24);
     CHECK(a.contribution_sum == -0x1p-24);
     CHECK(a.culprit == square.node());

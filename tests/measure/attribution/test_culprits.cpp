@@ -86,11 +86,11 @@ TEST_CASE("a range limit changed by rounding has a culprit among the operations,
     const Format f32 = *find_format("f32");
     measure::attribution::Attributor attributor(form, f32, culprit->categories);
     const auto whole = attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]));
-    CHECK(whole.attribution->exact_hit);
+    CHECK(whole.attribution->is_exact_hit);
     CHECK(whole.attribution->subject == whole.tape->outputs.t);
     const auto blame =
         attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
-    CHECK_FALSE(blame.attribution->exact_hit);
+    CHECK_FALSE(blame.attribution->is_exact_hit);
     REQUIRE(blame.culprit >= 1);
     CHECK(culprit->categories[static_cast<std::size_t>(blame.culprit)] == "v.i = o.i - centre.i");
     const auto chooses = [&](const measure::attribution::Setting& s) {

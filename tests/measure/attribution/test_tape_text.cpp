@@ -21,7 +21,7 @@ struct Recording {
         setting = draw_setting(random, form, *find_format("f32"), 1);
         form.record(*find_format("f32"), setting.ray, setting.target(form), HUGE_VAL, tape);
     }
-    [[nodiscard]] TapeText text(TapeText::Style style) const {
+    [[nodiscard]] TapeText text(TapeText::TextStyle style) const {
         return {tape, intersect::table::input_names(form, setting.target(form)), style};
     }
     [[nodiscard]] NodeId labelled(std::string_view label) const {
@@ -39,7 +39,7 @@ struct Recording {
 
 TEST_CASE("the tape of the schoolbook form reads like its source", "[attribution]") {
     const Recording r("sphere.schoolbook");
-    const TapeText plain = r.text(TapeText::Style::plain), pretty = r.text(TapeText::Style::pretty);
+    const TapeText plain = r.text(TapeText::TextStyle::plain), pretty = r.text(TapeText::TextStyle::pretty);
     CHECK(plain.definition(r.labelled("a")) == "a = dot(d, d)");
     CHECK(pretty.definition(r.labelled("c")) == "c = (o − centre)·(o − centre) − radius·radius");
     CHECK(plain.definition(r.labelled("disc")) == "disc = b*b - 4*a*c");
@@ -48,7 +48,7 @@ TEST_CASE("the tape of the schoolbook form reads like its source", "[attribution
 
 TEST_CASE("the axes of a box share categories and differ in names", "[attribution]") {
     const Recording r("box.inclusive");
-    const TapeText text = r.text(TapeText::Style::plain), generic = r.text(TapeText::Style::generic);
+    const TapeText text = r.text(TapeText::TextStyle::plain), generic = r.text(TapeText::TextStyle::generic);
     std::set<std::string> names, categories;
     for (NodeId i = 0; i < r.tape.size(); ++i) {
         if (r.tape[i].label != "inv") continue;
@@ -63,7 +63,7 @@ TEST_CASE("the second of two names that end in a digit does not get a larger dig
     Recording r("sphere.schoolbook");
     const NodeId first = r.labelled("a"), second = r.labelled("b");
     for (const NodeId i : {first, second}) r.tape[i].label = "A^-1";
-    const TapeText text = r.text(TapeText::Style::pretty);
+    const TapeText text = r.text(TapeText::TextStyle::pretty);
     CHECK(text.name(first) == "A^-1");
     CHECK(text.name(second) == "A^-1_2");
 }
@@ -71,7 +71,7 @@ TEST_CASE("the second of two names that end in a digit does not get a larger dig
 TEST_CASE("names on a tape are unique and become unique C identifiers", "[attribution]") {
     for (const Intersector& form : intersect::table::intersectors()) {
         const Recording r(form.info->name);
-        const TapeText text = r.text(TapeText::Style::plain);
+        const TapeText text = r.text(TapeText::TextStyle::plain);
         std::set<std::string> names, identifiers;
         for (NodeId i = 0; i < r.tape.size(); ++i) {
             if (r.tape[i].op == TapeOp::constant) continue;
@@ -96,11 +96,12 @@ TEST_CASE("every operation of any tape has a category of the tape of all operati
             if (known.empty()) {
                 form.record_all(s.target(form), tape);
                 const TapeText text(tape, intersect::table::input_names(form, s.target(form)),
-                                    TapeText::Style::generic);
+                                    TapeText::TextStyle::generic);
                 for (NodeId n = 0; n < tape.size(); ++n) known.insert(text.category(n));
             }
             form.record(f32, s.ray, s.target(form), HUGE_VAL, tape);
-            const TapeText text(tape, intersect::table::input_names(form, s.target(form)), TapeText::Style::generic);
+            const TapeText text(tape, intersect::table::input_names(form, s.target(form)),
+                                TapeText::TextStyle::generic);
             for (NodeId n = 0; n < tape.size(); ++n) {
                 if (!is_operation(tape[n].op)) continue;
                 INFO(form.info->name << ": " << text.category(n));

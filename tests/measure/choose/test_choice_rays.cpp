@@ -11,7 +11,7 @@
 #include "measure/study/study.hpp"
 #include "number/error.hpp"
 #include "number/real.hpp"
-#include "scene/dump/dump_writer.hpp"
+#include "scene/ray_file/ray_file_writer.hpp"
 
 namespace lostbits::test::test_choice_rays {
 
@@ -38,11 +38,11 @@ std::string written(const lostbits::test::Scratch& folder, const std::string& na
     return folder.write(name + ".csv", scene::test::as_csv(columns, [](double x) { return output::file::decimal(x); }));
 }
 
-std::unique_ptr<scene::dump::Dump> opened(const std::string& path, bool primitives) {
-    scene::dump::DumpOptions options;
+std::unique_ptr<scene::ray_file::RayFile> opened(const std::string& path, bool primitives) {
+    scene::ray_file::ReadOptions options;
     options.format = find_format("f32");
     if (!primitives) options.primitive = Shape::sphere;
-    return scene::dump::open_dump(path, options);
+    return scene::ray_file::open_ray_file(path, options);
 }
 
 ChoiceRequest requirement_of(double bits, std::vector<TestedForm> tested_forms) {
@@ -93,10 +93,10 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     const FileRays one = judge_and_sample(*whole, options, request);
     CHECK(one.ray_count == rays.size());
     CHECK_FALSE(one.answers);
-    std::vector<std::unique_ptr<scene::dump::Dump>> parts;
+    std::vector<std::unique_ptr<scene::ray_file::RayFile>> parts;
     parts.push_back(opened(written(folder, "first", columns_of(rays, 0, 1000)), false));
     parts.push_back(opened(written(folder, "second", columns_of(rays, 1000, rays.size())), false));
-    const FileRays two = judge_and_sample(*scene::dump::join_dumps(std::move(parts)), options, request);
+    const FileRays two = judge_and_sample(*scene::ray_file::join_ray_files(std::move(parts)), options, request);
     CHECK(two.ray_count == rays.size());
     for (std::size_t r = 0; r < 2; ++r) {
         require_same(one.quality[r], expected[r]);
@@ -123,14 +123,14 @@ TEST_CASE("the sample of a long file is every n-th ray") {
         const double numbers[] = {static_cast<double>(i), 0, 0, 0, 0, 1, static_cast<double>(i), 0, 5, 1};
         for (std::size_t k = 0; k < 10; ++k) columns.numbers[k].push_back(numbers[k]);
     }
-    const auto dump = opened(written(folder, "long", columns), true);
+    const auto ray_file = opened(written(folder, "long", columns), true);
     ChoiceRequest request = requirement_of(8, {test::row("sphere.schoolbook", "f32")});
-    const FileRays judged = judge_and_sample(*dump, {.result_name = "long"}, request);
+    const FileRays judged = judge_and_sample(*ray_file, {.result_name = "long"}, request);
     CHECK(judged.ray_count == rays);
     CHECK(judged.quality.front().hits == rays);
     const auto& sample = judged.sample;
     REQUIRE(sample.rays.size() == 2500);  // of 40000 every 16th: of 8 there were 5000
-    CHECK(sample.paired);
+    CHECK(sample.is_paired);
     REQUIRE(sample.primitives.size() == 2500);
     for (std::size_t i = 0; i < 2500; ++i) {
         CHECK(sample.rays.ox[i] == 16 * static_cast<double>(i));
@@ -144,10 +144,10 @@ TEST_CASE("files of different kinds are not read together") {
     const auto rays = scene::rays::make_shared_rays(scene, 0, scene.height);
     Columns with_primitives = columns_of(rays, 0, 10);
     for (const char* name : {"cx", "cy", "cz", "radius"}) with_primitives.add(name, std::vector<double>(10, 1));
-    std::vector<std::unique_ptr<scene::dump::Dump>> files;
+    std::vector<std::unique_ptr<scene::ray_file::RayFile>> files;
     files.push_back(opened(written(folder, "plain", columns_of(rays, 0, 10)), false));
     files.push_back(opened(written(folder, "paired", with_primitives), true));
-    CHECK_THROWS_AS(scene::dump::join_dumps(std::move(files)), InputError);
+    CHECK_THROWS_AS(scene::ray_file::join_ray_files(std::move(files)), InputError);
 }
 
 TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points from farther away") {
@@ -191,7 +191,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
     one.primitives.resize(1);
     const auto large = stretch(one, Growth::radius, 100);
     REQUIRE(large);
-    CHECK(large->rays.paired);
+    CHECK(large->rays.is_paired);
     REQUIRE(large->rays.primitives.size() == one.rays.size());
     const auto gap = [](const IdealRays& rays, std::size_t i, std::size_t primitive) {
         const auto sphere = rays.primitives[primitive].sphere();
@@ -218,7 +218,8 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
         CHECK(margin.end_factor / margin.holding_factor <= 1.02);
         const auto at = [&](double factor) {
             const auto there = stretch(exact_rays(rays.sample), margin.growth, factor);
-            return quality_on(measure::truth::Band(store_in_format(there->rays, binary32)), row, request.requirement);
+            return measure_quality_on(measure::truth::Band(store_in_format(there->rays, binary32)), row,
+                                      request.requirement);
         };
         CHECK(at(margin.holding_factor).meets(request.requirement));
         CHECK_FALSE(at(margin.end_factor).meets(request.requirement));

@@ -90,10 +90,10 @@ TEST_CASE("consistency: every form agrees in packs and alone, and summaries add 
                 CHECK(std::accumulate(s.counts.begin(), s.counts.end(), std::uint64_t{0}) == scene.pixels());
                 CHECK(s.count_of(CheckResult::unresolved) == 0);
                 CHECK(s.first_disagreement.has_value() == (s.disagreements() > 0));
-                if (!checks()[c].applies(scene, *tested_forms[r].form)) CHECK(s.asked() == 0);
+                if (!checks()[c].applies(scene, *tested_forms[r].form)) CHECK(s.question_count() == 0);
                 if (!checks()[c].compares_numbers) CHECK(s.excess.count() == 0);
                 if (checks()[c].name != "packs") continue;
-                CHECK(s.asked() == scene.pixels());
+                CHECK(s.question_count() == scene.pixels());
                 CHECK(s.disagreements() == 0);
             }
         }
@@ -139,21 +139,22 @@ TEST_CASE("consistency: a t rounded once agrees from either end within an ulp", 
 
 TEST_CASE("consistency: an origin on the surface and an end at a box are checked", "[measure][consistency]") {
     const CheckSummary beyond = one("consistency-on-surface", "sphere.half_b", "f32", "beyond");
-    CHECK(beyond.count_of(CheckResult::first_alone) == beyond.asked());
-    CHECK(beyond.asked() == 192);
-    CHECK(one("consistency-on-surface", "sphere.half_b", "f32", "before").asked() == 0);  // before t = 0 is no ray
+    CHECK(beyond.count_of(CheckResult::first_alone) == beyond.question_count());
+    CHECK(beyond.question_count() == 192);
+    CHECK(one("consistency-on-surface", "sphere.half_b", "f32", "before").question_count() ==
+          0);  // before t = 0 is no ray
     // This form does not count a hit at t = 0.
     CHECK(one("consistency-on-surface", "sphere.pbrt_interval", "f32", "beyond").disagreements() == 0);
     CHECK(one("box-octree", "box.max_mult", "f32", "before").decisions() ==
-          one("box-octree", "box.max_mult", "f32", "before").asked());
+          one("box-octree", "box.max_mult", "f32", "before").question_count());
     CHECK(one("box-octree", "box.inclusive", "f32", "before").decisions() == 0);
     const CheckSummary closed = one("box-octree", "box.inclusive", "f32", "end");
-    CHECK(closed.count_of(CheckResult::second_alone) == closed.asked());
+    CHECK(closed.count_of(CheckResult::second_alone) == closed.question_count());
     CHECK(one("box-octree", "box.exclusive", "f32", "end").decisions() == 0);
 }
 
 TEST_CASE("consistency: forms that contradict themselves are detected", "[measure][consistency]") {
-    const auto hits = one("near-benign", "sphere.half_b", "f32", "beyond").asked();
+    const auto hits = one("near-benign", "sphere.half_b", "f32", "beyond").question_count();
     REQUIRE(hits > 50);
     CHECK(of_kernel(drifts, "packs").count_of(CheckResult::other_number) >= hits);
     CHECK(of_kernel(drifts, "packs").decisions() == 0);
@@ -165,8 +166,9 @@ TEST_CASE("consistency: forms that contradict themselves are detected", "[measur
     CHECK(forgetful.first_disagreement->y == 6);
     CHECK(of_kernel(one_way_only, "reverse").decisions() > hits / 2);
     CHECK(of_kernel(exchanged, "before").count_of(CheckResult::second_alone) > hits / 2);
-    CHECK(of_kernel(nowhere, "beyond").count_of(CheckResult::first_alone) == of_kernel(nowhere, "beyond").asked());
-    CHECK(of_kernel(nowhere, "beyond").asked() > 50);
+    CHECK(of_kernel(nowhere, "beyond").count_of(CheckResult::first_alone) ==
+          of_kernel(nowhere, "beyond").question_count());
+    CHECK(of_kernel(nowhere, "beyond").question_count() > 50);
 }
 
 TEST_CASE("consistency: a check that does not apply is not run", "[measure][consistency]") {

@@ -176,7 +176,7 @@ std::vector<Primitive<double>> mixed_primitives(Draw& draw) {
         for (int i = 0; i < (row.is_ball ? 0 : 4); ++i)
             all.push_back(primitive_around(row.shape, draw.point(8), draw.in(0.1, 1)));
     const auto as_float = [](double x) { return static_cast<double>(static_cast<float>(x)); };
-    for (Primitive<double>& primitive : all) primitive = transformed(primitive, as_float);
+    for (Primitive<double>& primitive : all) primitive = convert_numbers(primitive, as_float);
     return all;
 }
 
@@ -313,7 +313,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
                 const auto face = static_cast<std::size_t>(draw.in(0, static_cast<double>(group.mesh->size()) - 0.5));
                 group.rays.push(ray_at(draw, group.mesh->mesh().triangle(face), std::ldexp(1.0, power), format));
             }
-            group.rays.set_as_list();
+            group.rays.mark_as_list();
             const PrimitiveList<double> primitives = scene::rays::primitive_list_of(group);
             const measure::culling::Culler of_all(primitives);
             measure::culling::Culler culler(of_all, group.rays);

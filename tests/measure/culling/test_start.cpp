@@ -1,6 +1,6 @@
 // The filter of rays that start inside, compared with integers. It never denies that a ray starts in a primitive or on
-// it, at sizes from the least subnormal number to the largest, under matrices too. Where doubles can decide, it detects
-// such a start.
+// it, at sizes from the least subnormal number to the largest, with transforms too. Where doubles can decide, it
+// detects such a start.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -85,8 +85,8 @@ exact::Problem problem_of(const Ray<double>& ray, const Primitive<double>& primi
         p.ray[static_cast<std::size_t>(3 + i)] = ray.direction[i];
     }
     std::ranges::copy(primitive.shape_numbers(), p.primitive.begin());
-    if (primitive.placed)
-        p.matrix = primitive.placed->matrix, p.is_placed = true, p.is_inverse = primitive.placed->is_inverse;
+    if (primitive.transform)
+        p.matrix = primitive.transform->matrix, p.has_transform = true, p.is_inverse = primitive.transform->is_inverse;
     return p;
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("a ray that starts in a primitive is never said to start outside, at a
     }
 }
 
-TEST_CASE("a ray that starts in a primitive under a matrix is never said to start outside", "[culling]") {
+TEST_CASE("a ray that starts in a transformed primitive is never said to start outside", "[culling]") {
     for (const ShapeRow& row : shape_rows) {
         Seeded rng(0x9147 + static_cast<std::uint64_t>(row.shape));
         Tally wide, usual;
@@ -179,10 +179,10 @@ TEST_CASE("a ray that starts in a primitive under a matrix is never said to star
             std::array<double, 12> m{};
             for (std::size_t k = 0; k < 12; ++k)
                 m[k] = std::ldexp(rng.uniform(-2, 2), k % 4 == 3 ? stretch + e : stretch);
-            primitive.placed = transformed(Placement<double>{m, is_inverse, 1}, [](double x) { return x; });
-            if (broken_limit(primitive) || !primitive.placed->is_proper()) continue;
+            primitive.transform = convert_numbers(Transform<double>{m, is_inverse, 1}, [](double x) { return x; });
+            if (broken_limit(primitive) || !primitive.transform->is_proper()) continue;
             const Vec<double> p = draw_point(rng, *drawn);
-            const Affine<double> map = primitive.placed->map();
+            const Affine<double> map = primitive.transform->map();
             // For an inverse, any origin near the primitive will do.
             const Vec<double> origin = is_inverse ? scaled_by(rng.vec(-2, 2), e) : map.point(scaled_by(p, e));
             (is_usual ? usual : wide).take({origin, rng.vec(-1, 1)}, primitive);
@@ -221,29 +221,29 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets where squares 
     for (int round = 0; round < 60; ++round) {
         Seeded rng(0x7ee + static_cast<std::uint64_t>(round));
         // Lengths as small as possible, and primitives that a matrix enlarges by as much as they are small.
-        const bool is_placed = round % 2 == 1;
-        const int own = static_cast<int>(is_placed ? rng.integer(-900, 900) : rng.integer(-1060, 100)),
-                  stretch = is_placed ? -own + static_cast<int>(rng.integer(-4, 4)) : 0;
+        const bool has_transform = round % 2 == 1;
+        const int own = static_cast<int>(has_transform ? rng.integer(-900, 900) : rng.integer(-1060, 100)),
+                  stretch = has_transform ? -own + static_cast<int>(rng.integer(-4, 4)) : 0;
         std::vector<Primitive<double>> primitives;
         while (primitives.size() < 96) {
             const auto drawn = draw_primitive(rng, shape_rows[primitives.size() % shape_rows.size()].shape);
             if (!drawn) continue;
             Primitive<double> primitive = scaled_by(*drawn, own);
-            if (is_placed) {
+            if (has_transform) {
                 std::array<double, 12> m{};
                 for (const std::size_t k : {0, 5, 10}) m[k] = std::ldexp(rng.uniform(0.5, 1), stretch);
                 for (const std::size_t k : {3, 7, 11}) m[k] = rng.uniform(-8, 8);
-                primitive.placed = transformed(Placement<double>{m, false, 1}, [](double x) { return x; });
+                primitive.transform = convert_numbers(Transform<double>{m, false, 1}, [](double x) { return x; });
             }
             if (!broken_limit(primitive)) primitives.push_back(primitive);
         }
         scene::rays::RayBlock rays;
         for (int i = 0; i < 40; ++i) {
-            const Vec<double> to = primitives[static_cast<std::size_t>(2 * i)].placed
-                                       ? primitives[static_cast<std::size_t>(2 * i)].placed->map().shift
+            const Vec<double> to = primitives[static_cast<std::size_t>(2 * i)].transform
+                                       ? primitives[static_cast<std::size_t>(2 * i)].transform->map().shift
                                        : scaled_by(rng.vec(-2, 2), own);
             const Vec<double> direction = rng.vec(-1, 1);
-            const double away = is_placed ? 16 : std::ldexp(8.0, i % 2 == 0 ? own : 0);
+            const double away = has_transform ? 16 : std::ldexp(8.0, i % 2 == 0 ? own : 0);
             rays.push({to - away * direction, direction});
         }
         rays.width = 40, rays.y1 = 1;

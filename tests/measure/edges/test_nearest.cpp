@@ -67,7 +67,7 @@ TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by tr
             if (!nearest) continue;
             INFO(rows[r].form->info->name << ", " << k);
             const Ray<double>& ray = nearest->ray;
-            CHECK(search.distance.holds(nearest->distance));
+            CHECK(search.distance.contains(nearest->distance));
             for (const Vec<double>& v : {ray.origin, ray.direction})
                 for (int axis = 0; axis < 3; ++axis) CHECK(rounding::to_format(v[axis], 0, binary32) == v[axis]);
             std::vector<std::size_t> claimed, met;

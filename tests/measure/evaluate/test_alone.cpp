@@ -22,14 +22,14 @@ namespace {
 RayGroup ray_of(const RayGroup& from, std::size_t i) {
     RayGroup one = scene::rays::group_of(from.rays[i]);
     one.rays.push_range(from.rays, i);
-    one.primitives = {from.primitives[from.paired ? i : 0]};
+    one.primitives = {from.primitives[from.is_paired ? i : 0]};
     return one;
 }
 
 /// A ray of the easy distribution, then some rays that miss another primitive, then more of both: a miss is seldom
 /// measured at the primitive of the first ray.
 std::vector<RayGroup> rays_at(const scene::sweep::DistributionRow& distribution) {
-    const auto drawn = distribution.sets().front().groups();
+    const auto drawn = distribution.ray_sets().front().groups();
     const auto timed = distribution.draw_timed_rays();
     std::vector<RayGroup> all{ray_of(drawn.at(0), 0)};
     for (std::size_t i = 0; i < 5; ++i) all.push_back(ray_of(timed.misses, i));
@@ -64,9 +64,9 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
         for (const RayGroup& one : rays) column.push_back(one.primitives.front().numbers[k]);
         columns.add(column_names(shape)[k], column);
     }
-    const scene::test::DumpFile file("own.bin", scene::test::as_bytes<float>(columns));
-    const auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
-    const auto show = [&](std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result) {
+    const scene::test::ScratchRayFile file("own.bin", scene::test::as_bytes<float>(columns));
+    const auto ray_file = scene::ray_file::open_ray_file(file.path(), {.columns = columns.joined_names(":f32")});
+    const auto show = [&](std::size_t row, const scene::ray_file::Chunk& chunk, const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < chunk.size(); ++i) {
             auto& values = found[{row, first + chunk.first + i}];
             values = {static_cast<double>(result.outcomes[i])};
@@ -75,7 +75,7 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
     };
     // Rows of one piece are shown at the same time.
     const test::Threads one(1);
-    return judge::run_judge(*dump, {.tested_forms = tested_forms, .metrics = metrics}, show).summaries;
+    return judge::run_judge(*ray_file, {.tested_forms = tested_forms, .metrics = metrics}, show).summaries;
 }
 
 /// All counts that claims may use.

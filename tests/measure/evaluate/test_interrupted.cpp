@@ -6,8 +6,8 @@
 #include "measure/check/claim.hpp"
 #include "measure/choose/candidates.hpp"
 #include "measure/consistency/consistency.hpp"
+#include "measure/evaluate/bits_needed.hpp"
 #include "measure/evaluate/map.hpp"
-#include "measure/evaluate/needed.hpp"
 #include "measure/judge/judge.hpp"
 #include "measure/offset/offsets.hpp"
 #include "measure/render/render.hpp"
@@ -20,8 +20,8 @@
 #include "measure/sweep/worst.hpp"
 #include "number/error.hpp"
 #include "scene/check/claims_file.hpp"
-#include "scene/dump/dump.hpp"
 #include "scene/file/scene.hpp"
+#include "scene/ray_file/ray_file.hpp"
 
 namespace lostbits::test::test_interrupted {
 
@@ -91,8 +91,8 @@ TEST_CASE("every computation stops where its own request says so") {
     measure::sweep::ExhaustiveState state;
     const test::TextFile file("ox,oy,oz,dx,dy,dz\n0,0,-5,0,0,1\n");
     const auto open = [&](StopToken token) {
-        return scene::dump::open_dump(
-            file.path(), {.container = scene::dump::Container::csv, .primitive = Shape::sphere, .stop = token});
+        return scene::ray_file::open_ray_file(
+            file.path(), {.container = scene::ray_file::Container::csv, .primitive = Shape::sphere, .stop = token});
     };
     const auto rays = open({});
     std::vector<scene::check::Claim> claims{scene::check::read_claims(data / "claims/sphere.toml").front()};

@@ -90,7 +90,8 @@ const Tape& tape_named(const char* name, Tape& kept) {
 TEST_CASE("no identity changes the unrounded answer of a form of the catalogue", "[mend]") {
     std::map<std::string_view, int> applied, hits;
     for (const Intersector& form : intersect::table::catalogue()) {
-        if (!is_primitive(form.shape) || !form.record || form.filter_arithmetic || !form.exists_in(*find_format("f32")))
+        if (!is_primitive(form.shape) || !form.record || form.deciding_arithmetic ||
+            !form.exists_in(*find_format("f32")))
             continue;
         const Tape before = tape::record_tape(form, *find_format("f32"));
         if (before.formats.size() > 1 || before.nodes.size() > 400) continue;

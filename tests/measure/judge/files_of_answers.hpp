@@ -7,7 +7,7 @@
 #include "catch.hpp"
 #include "measure/answer/answers.hpp"
 #include "measure/evaluate/evaluate.hpp"
-#include "scene/dump/dump_writer.hpp"
+#include "scene/ray_file/ray_file_writer.hpp"
 
 namespace lostbits::test {
 

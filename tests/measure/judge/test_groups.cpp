@@ -38,14 +38,15 @@ TEST_CASE("the summary of a group is that of its rays alone") {
         Columns columns = ray_columns(some);
         add_answers(columns, of_some);
         columns.add("kind", own);
-        const scene::test::DumpFile file("kinds.bin", scene::test::as_bytes<float>(columns));
-        const auto dump = scene::dump::open_dump(
-            file.path(), {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keep = true});
+        const scene::test::ScratchRayFile file("kinds.bin", scene::test::as_bytes<float>(columns));
+        const auto ray_file = scene::ray_file::open_ray_file(
+            file.path(),
+            {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keeps_own_columns = true});
         const judge::FileForm form("kinds", Shape::sphere, *row.form->info);
         JudgeRequest request{.primitives = primitives, .file_answers_form = &form.form(), .metrics = all_metrics};
         request.tested_forms = {{&form.form(), row.format}};
         if (!only) request.group_column = 0;
-        return judge::run_judge(*dump, request, {});
+        return judge::run_judge(*ray_file, request, {});
     };
     const JudgeResult all = judged({});
     REQUIRE(all.groups.all().size() == 3);

@@ -13,9 +13,9 @@
 #include "measure/rows.hpp"
 #include "measure/seeded.hpp"
 #include "measure/truth/lost_bits.hpp"
-#include "scene/dump/dump_writer.hpp"
-#include "scene/dump/late_dump.hpp"
 #include "scene/file/march_table.hpp"
+#include "scene/ray_file/late_ray_file.hpp"
+#include "scene/ray_file/ray_file_writer.hpp"
 #include "scene/rays/stored_mesh.hpp"
 
 namespace test_judge {
@@ -45,13 +45,13 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
         Columns columns = ray_columns(rays);
         add_answers(columns, answers);
         columns.add("object", {answers.object.begin(), answers.object.end()});
-        const scene::test::DumpFile file("a.bin", scene::test::as_bytes<double>(columns));
-        const auto dump = scene::dump::open_dump(
+        const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<double>(columns));
+        const auto ray_file = scene::ray_file::open_ray_file(
             file.path(),
             {.columns = columns.joined_names(":f64"), .format = row.format, .primitive = primitives.front().shape});
         const judge::FileForm form("a", primitives.front().shape, *row.form->info);
         const JudgeResult result =
-            judge::run_judge(*dump,
+            judge::run_judge(*ray_file,
                              {.primitives = scene::rays::stored_beside_mesh(scene, row.format.parameters),
                               .mesh = scene::rays::stored_mesh(scene, row.format.parameters),
                               .march = march,
@@ -70,7 +70,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
 
 /// Keeps the results of the first row.
 judge::ShowJudged kept_in(judge::WorstRays& worst) {
-    return [&worst](std::size_t row, const scene::dump::Chunk& chunk, const evaluate::BandResult& result) {
+    return [&worst](std::size_t row, const scene::ray_file::Chunk& chunk, const evaluate::BandResult& result) {
         if (row == 0) worst.add_rays(chunk.first, result);
     };
 }
@@ -102,7 +102,7 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
     }
     group.rays.width = count;
     group.rays.y1 = 1;
-    group.paired = true;
+    group.is_paired = true;
     return group;
 }
 
@@ -155,15 +155,16 @@ TEST_CASE("primitives of any kinds that are hit at the same t share the hit") {
     std::vector<double> objects;
     for (double k = 0; k <= last; ++k) objects.push_back(k);
     columns.add("object", objects);
-    const scene::test::DumpFile file("a.bin", scene::test::as_bytes<double>(columns));
+    const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<double>(columns));
     const auto open = [&] {
-        return scene::dump::open_dump(file.path(),
-                                      {.columns = columns.joined_names(":f64"), .primitive = primitives.front().shape});
+        return scene::ray_file::open_ray_file(
+            file.path(), {.columns = columns.joined_names(":f64"), .primitive = primitives.front().shape});
     };
     const judge::FileForm form("a", Shape::sphere, {});
     JudgeRequest request{.primitives = primitives, .file_answers_form = &form.form(), .metrics = all_metrics};
     request.tested_forms = {{&form.form(), *find_format("f64")}};
-    const auto outcomes_are_right = [&](std::size_t, const scene::dump::Chunk&, const evaluate::BandResult& result) {
+    const auto outcomes_are_right = [&](std::size_t, const scene::ray_file::Chunk&,
+                                        const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < primitives.size(); ++i) {
             INFO(i);
             CHECK(result.outcomes[i] ==
@@ -223,17 +224,17 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their indices") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 2000, 8);
     const evaluate::TestedForm row = test::row("sphere.expanded", "f32");
     Columns columns = columns_of_pairs(group);
-    const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
+    const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<float>(columns));
     const auto judged = [&](bool late, judge::WorstRays& worst) {
-        auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
-        if (late) dump = std::make_unique<scene::test::LateDump>(std::move(dump));
-        return judge::run_judge(*dump, {.tested_forms = {row}, .metrics = all_metrics}, kept_in(worst));
+        auto ray_file = scene::ray_file::open_ray_file(file.path(), {.columns = columns.joined_names(":f32")});
+        if (late) ray_file = std::make_unique<scene::test::LateRayFile>(std::move(ray_file));
+        return judge::run_judge(*ray_file, {.tested_forms = {row}, .metrics = all_metrics}, kept_in(worst));
     };
     judge::WorstRays first(5, 1), later(5, 1);
     const JudgeResult at_start = judged(false, first), beyond = judged(true, later);
     const evaluate::WorstRay &a = at_start.summaries[0].worst, &b = beyond.summaries[0].worst;
     REQUIRE(a.x >= 0);
-    CHECK(b.x - a.x == std::int64_t{scene::test::LateDump::before});
+    CHECK(b.x - a.x == std::int64_t{scene::test::LateRayFile::before});
     CHECK(a.primitive_index == a.x);
     CHECK(b.primitive_index == b.x);
     CHECK(b.ulps == a.ulps);
@@ -241,7 +242,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their indices") {
     REQUIRE(noted.size() >= 5);
     REQUIRE(noted_later.size() == noted.size());
     for (std::size_t k = 0; k < noted.size(); ++k)
-        CHECK(noted_later[k].ray_index == noted[k].ray_index + scene::test::LateDump::before);
+        CHECK(noted_later[k].ray_index == noted[k].ray_index + scene::test::LateRayFile::before);
 }
 
 TEST_CASE("answers in a file are judged like those of the form, and the worst rays are the worst of all") {
@@ -252,14 +253,14 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
     const auto inputs = band.inputs(row.format, {});
     const auto answers = answer::evaluate(*row.form, inputs);
     add_answers(columns, answers);
-    const scene::test::DumpFile file("a.bin", scene::test::as_bytes<float>(columns));
+    const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<float>(columns));
 
     const test::Threads limit(5);  // for four pieces
-    const auto dump = scene::dump::open_dump(file.path(), {.columns = columns.joined_names(":f32")});
+    const auto ray_file = scene::ray_file::open_ray_file(file.path(), {.columns = columns.joined_names(":f32")});
     const judge::FileForm form("a", Shape::sphere, *row.form->info);
     judge::WorstRays worst(10, 1);
     const JudgeResult result = judge::run_judge(
-        *dump,
+        *ray_file,
         {.tested_forms = {{&form.form(), row.format}, row}, .file_answers_form = &form.form(), .metrics = all_metrics},
         kept_in(worst));
     CHECK(result.rays == group.rays.size());
@@ -305,15 +306,15 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
         wrong += lie;
         text += (band.truth(i, {}).is_hit() != lie) ? "1\n" : "0\n";
     }
-    const scene::test::DumpFile file("a.csv", text);
-    const auto dump = scene::dump::open_dump(file.path(), {});
+    const scene::test::ScratchRayFile file("a.csv", text);
+    const auto ray_file = scene::ray_file::open_ray_file(file.path(), {});
     intersect::Info decides;
     decides.roots = intersect::Roots::none;
     const judge::FileForm form("a b.c", Shape::sphere, decides);
     CHECK(form.form().info->name == "file.a_b_c");
-    const auto s = std::move(judge::run_judge(*dump, {.tested_forms = {{&form.form(), dump->format()}},
-                                                      .file_answers_form = &form.form(),
-                                                      .metrics = all_metrics})
+    const auto s = std::move(judge::run_judge(*ray_file, {.tested_forms = {{&form.form(), ray_file->format()}},
+                                                          .file_answers_form = &form.form(),
+                                                          .metrics = all_metrics})
                                  .summaries.front());
     CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
     CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hits);
@@ -325,13 +326,13 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
 TEST_CASE("the first of equal errors and the first of wrong decisions are kept") {
     std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
     for (int i = 0; i < 30; ++i) text += i % 3 == 2 ? "0,0,-5,0,0,1,0,\n" : "0,0,-5,0,0,1,1,4.5\n";
-    const scene::test::DumpFile file("a.csv", text);
-    const auto dump = scene::dump::open_dump(file.path(), {.primitive = Shape::sphere});
+    const scene::test::ScratchRayFile file("a.csv", text);
+    const auto ray_file = scene::ray_file::open_ray_file(file.path(), {.primitive = Shape::sphere});
     const judge::FileForm form("a", Shape::sphere, intersect::Info{});
     judge::WorstRays worst(5, 1);
-    judge::run_judge(*dump,
+    judge::run_judge(*ray_file,
                      {.primitives = {Primitive<double>(Sphere<double>{{0, 0, 0}, 1})},
-                      .tested_forms = {{&form.form(), dump->format()}},
+                      .tested_forms = {{&form.form(), ray_file->format()}},
                       .file_answers_form = &form.form(),
                       .metrics = all_metrics},
                      kept_in(worst));

@@ -113,10 +113,10 @@ TEST_CASE("right weights have no error, and a NaN weight has an infinite error",
     CHECK(AnsweredHit(0.25 - 0x1p-24, 0.25, 0.5 + 0x1p-24).of(barycentric_sum) == 0);
     CHECK(AnsweredHit(NAN, 0.25, 0.5).of(barycentric_error) == HUGE_VAL);
     CHECK(AnsweredHit(0.25, HUGE_VAL, 0.5).of(barycentric_sum) == HUGE_VAL);
-    AnsweredHit placed(0.25, 0.25, 0.5);  // the same ray and triangle, moved and mirrored together
-    placed.primitive.placed = placement_of(std::array<double, 12>{-2, 0, 0, 4, 0, 2, 0, 8, 0, 0, 2, 16});
-    placed.ray = {{3.5, 9, 22}, {0, 0, -2}};
-    CHECK(placed.of(barycentric_error) == 0);
+    AnsweredHit transformed(0.25, 0.25, 0.5);  // the same ray and triangle, moved and mirrored together
+    transformed.primitive.transform = transform_of(std::array<double, 12>{-2, 0, 0, 4, 0, 2, 0, 8, 0, 0, 2, 16});
+    transformed.ray = {{3.5, 9, 22}, {0, 0, -2}};
+    CHECK(transformed.of(barycentric_error) == 0);
     AnsweredHit ball(0.25, 0.25, 0.5);
     ball.primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1});
     CHECK(std::isnan(ball.of(barycentric_error)));

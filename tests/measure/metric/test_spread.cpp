@@ -75,11 +75,11 @@ TEST_CASE("a quantile represents a form only if a tenth of the true hits agree")
 }
 
 TEST_CASE("the number of hits behind a quantile is written out correctly") {
-    CHECK(Agreement{6860, 25600}.of_agreed_hits() == "of 6860 agreed hits");
-    CHECK(Agreement{1, 3}.of_agreed_hits() == "of 1 agreed hit");
-    CHECK(Agreement{55, 16384}.too_few() == "55 of 16384 hits agree");
-    CHECK(Agreement{1, 1024}.too_few() == "1 of 1024 hits agrees");
-    CHECK(Agreement{0, 1}.too_few() == "0 of 1 hit agree");
+    CHECK(Agreement{6860, 25600}.of_agreed_hits_text() == "of 6860 agreed hits");
+    CHECK(Agreement{1, 3}.of_agreed_hits_text() == "of 1 agreed hit");
+    CHECK(Agreement{55, 16384}.too_few_text() == "55 of 16384 hits agree");
+    CHECK(Agreement{1, 1024}.too_few_text() == "1 of 1024 hits agrees");
+    CHECK(Agreement{0, 1}.too_few_text() == "0 of 1 hit agree");
 }
 
 }  // namespace test_spread

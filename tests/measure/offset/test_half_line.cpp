@@ -115,12 +115,12 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
         for (int k = 0; k < 500; ++k) {
             const double least = random.magnitude(-60, 3), most = least * random.uniform(1, 3);
             const double start = random.magnitude(-70, -10);
-            const auto judge = [&](double e) {
+            const auto verdict_of = [&](double e) {
                 return e < least  ? OffsetVerdict::too_little
                        : e > most ? OffsetVerdict::too_much
                                   : OffsetVerdict::enough;
             };
-            const double found = smallest_enough(f, start, 64, judge);
+            const double found = smallest_enough(f, start, 64, verdict_of);
             CAPTURE(least, most, start, found, f.precision);
             const std::int64_t place = measure::truth::ordinal(
                 measure::truth::number_at(measure::truth::ordinal(rounding::to_format(least, 0, f), f), f), f);
@@ -136,7 +136,7 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
     }
 }
 
-TEST_CASE("half-lines meet a primitive under a matrix as they meet the moved primitive", "[measure][offset]") {
+TEST_CASE("half-lines meet a transformed primitive as they meet the moved primitive", "[measure][offset]") {
     // A quarter turn about z, a doubling and a shift: no number is rounded.
     const Vec<double> shift(16, -32, 8);
     const auto turned = [](const Vec<double>& v) { return Vec<double>(-2 * v.y, 2 * v.x, 2 * v.z); };
@@ -149,15 +149,17 @@ TEST_CASE("half-lines meet a primitive under a matrix as they meet the moved pri
             Vec<double> w(small(), small(), small());
             if (w == Vec<double>(0, 0, 0)) w.x = 1;
             const double r = std::max(0.25, std::fabs(small()));
-            Primitive<double> placed(Sphere<double>{centre, r}), moved(Sphere<double>{turned(centre) + shift, 2 * r});
-            placed.placed = Placement<double>{{0, -2, 0, 16, 2, 0, 0, -32, 0, 0, 2, 8}, false, 1};
-            if (inverse) placed.placed = Placement<double>{{0, 0.5, 0, 16, -0.5, 0, 0, 8, 0, 0, 0.5, -4}, true, 1};
+            Primitive<double> transformed(Sphere<double>{centre, r}),
+                moved(Sphere<double>{turned(centre) + shift, 2 * r});
+            transformed.transform = Transform<double>{{0, -2, 0, 16, 2, 0, 0, -32, 0, 0, 2, 8}, false, 1};
+            if (inverse)
+                transformed.transform = Transform<double>{{0, 0.5, 0, 16, -0.5, 0, 0, 8, 0, 0, 0.5, -4}, true, 1};
             const HalfLine line{{turned(p) + shift, turned(w)}, random.coin() ? 0.5 : 0};
-            const Meeting one = find_meeting(line, placed), other = find_meeting(line, moved);
+            const Meeting one = find_meeting(line, transformed), other = find_meeting(line, moved);
             REQUIRE(one == other);
             met += one.meets, inside += one.inside;
             const Vec<double> end = turned(p + w) + shift;
-            REQUIRE(measure::offset::passes_through(line.ray.origin, end, placed) ==
+            REQUIRE(measure::offset::passes_through(line.ray.origin, end, transformed) ==
                     measure::offset::passes_through(line.ray.origin, end, moved));
         }
     }

@@ -20,36 +20,36 @@ Vec<T> vec(double x, double y, double z) {
     return Vec<T>(T(x), T(y), T(z));
 }
 
-const ShadeRule everything{.has_diffuse = true, .has_shadows = true, .has_phong = true, .halves_diffuse = false};
+const ShadeRule everything{.has_diffuse = true, .has_shadows = true, .has_phong = true, .keeps_half_diffuse = false};
 
-Paint<double> shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, true}; }
+Paint<double> is_shiny() { return {vec<double>(0.5, 0.25, 1), 0.25, 0.5, 0.75, 3, true}; }
 
 }  // namespace
 
 TEST_CASE("shade agrees with values worked out by hand, for light along the normal and at 60 degrees") {
     const auto n = vec<double>(0, 0, 1);
     // N·L = 1, H = (0, 0, 1): ka S + kd S + ks = 0.75 S + 0.75.
-    CHECK(shade<double>(shiny(), everything, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
-    CHECK(shade<double>(shiny(), everything, true, {n, n, n}) == vec<double>(0.125, 0.0625, 0.25));  // ka S alone
+    CHECK(shade<double>(is_shiny(), everything, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
+    CHECK(shade<double>(is_shiny(), everything, true, {n, n, n}) == vec<double>(0.125, 0.0625, 0.25));  // ka S alone
     ShadeRule half = everything;
-    half.halves_diffuse = true;
-    CHECK(shade<double>(shiny(), half, true, {n, n, n}) == vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
-    CHECK(shade<double>(shiny(), half, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
+    half.keeps_half_diffuse = true;
+    CHECK(shade<double>(is_shiny(), half, true, {n, n, n}) == vec<double>(0.25, 0.125, 0.5));  // ka S + ½ kd S
+    CHECK(shade<double>(is_shiny(), half, false, {n, n, n}) == vec<double>(1.125, 0.9375, 1.5));
     ShadeRule diffuse{.has_diffuse = true};
-    CHECK(shade<double>(shiny(), diffuse, true, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
-    CHECK(shade<double>(shiny(), ShadeRule{}, true, {n, n, n}) == shiny().colour);
+    CHECK(shade<double>(is_shiny(), diffuse, true, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
+    CHECK(shade<double>(is_shiny(), ShadeRule{}, true, {n, n, n}) == is_shiny().colour);
     // N·L = ½ and L = V: H = L, (H·N)³ = ⅛.
     const auto l = vec<double>(std::sqrt(0.75), 0, 0.5);
-    const Vec<double> c = shade<double>(shiny(), everything, false, {n, l, l});
+    const Vec<double> c = shade<double>(is_shiny(), everything, false, {n, l, l});
     CHECK(c.x == Approx(0.5 * (0.25 + 0.25) + 0.75 / 8).epsilon(1e-15));
     // From behind there is no light, and none is subtracted.
-    CHECK(shade<double>(shiny(), everything, false, {n, -n, n}) == vec<double>(0.125, 0.0625, 0.25));
-    Paint<double> matte = shiny();
-    matte.shiny = false;
+    CHECK(shade<double>(is_shiny(), everything, false, {n, -n, n}) == vec<double>(0.125, 0.0625, 0.25));
+    Paint<double> matte = is_shiny();
+    matte.is_shiny = false;
     CHECK(shade<double>(matte, everything, false, {n, n, n}) == vec<double>(0.375, 0.1875, 0.75));
     // A NaN is not treated as darkness.
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    CHECK(std::isnan(shade<double>(shiny(), everything, false, {vec<double>(nan, 0, 1), n, n}).x));
+    CHECK(std::isnan(shade<double>(is_shiny(), everything, false, {vec<double>(nan, 0, 1), n, n}).x));
 }
 
 TEST_CASE("integer powers are exact where the results are representable") {
@@ -62,11 +62,11 @@ TEST_CASE("integer powers are exact where the results are representable") {
 }
 
 TEST_CASE("a shadow ray starts at the point, an epsilon off, or some ulps of the largest coordinate off") {
-    using Offset = scene::file::ShadowRule::Offset;
+    using ShadowOffset = scene::file::ShadowRule::ShadowOffset;
     const auto p = vec<float>(3, -4, 0.5), n = vec<float>(1, 0, 0);
-    CHECK(shadow_origin<float>(p, n, Offset::none, 1, 5) == p);
-    CHECK(shadow_origin<float>(p, n, Offset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
-    CHECK(shadow_origin<float>(p, n, Offset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
+    CHECK(shadow_origin<float>(p, n, ShadowOffset::none, 1, 5) == p);
+    CHECK(shadow_origin<float>(p, n, ShadowOffset::epsilon, 0.25F, 5) == vec<float>(3.25, -4, 0.5));
+    CHECK(shadow_origin<float>(p, n, ShadowOffset::ulp, 1, 2) == vec<float>(3 + 0x1p-20, -4, 0.5));  // ulp(4) = 2^-21
 }
 
 TEST_CASE("a byte of an image is 255 times the channel, rounded half up and clamped") {

@@ -36,17 +36,17 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 
 /// The operations that must be wider, without the rewriting that `repair_form` tries too.
 struct Search {
-    explicit Search(const RepairRequest& asked) : request(asked), judge(asked), tape(record_tape(asked)) {}
+    explicit Search(const RepairRequest& asked) : request(asked), measurer(asked), tape(record_tape(asked)) {}
     FormQuality with(const std::vector<NodeId>& wider) {
-        return judge.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
+        return measurer.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
     }
     WiderSet smallest(std::uint64_t affordable) {
         const FormQuality quality = with(all);
         REQUIRE(quality.meets(request.requirement));
-        return find_smallest_set(tape, binary64, quality, request, judge, affordable);
+        return find_smallest_set(tape, binary64, quality, request, measurer, affordable);
     }
     const RepairRequest& request;
-    Judge judge;
+    QualityMeasurer measurer;
     Tape tape;
     std::vector<NodeId> all = tape::rounded_operations(tape);
 };
@@ -69,9 +69,9 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         Search search(request);
         CHECK_FALSE(search.with({}).meets(request.requirement));
         const WiderSet found = search.smallest(200);
-        Judge judge(request, scene);
+        QualityMeasurer measurer(request, scene);
         const auto quality_with = [&](const std::vector<NodeId>& wider) {
-            return judge.measure_quality({tape::widen_operations(search.tape, wider, binary64)}).front();
+            return measurer.measure_quality({tape::widen_operations(search.tape, wider, binary64)}).front();
         };
         const auto& set = found.operations;
         REQUIRE_FALSE(set.empty());
@@ -94,7 +94,8 @@ TEST_CASE("measured again, the set meets the requirement, and fails it without a
         for (const NodeId a : search.all)
             for (const NodeId b : search.all)
                 if (a <= b) pairs.push_back(tape::widen_operations(search.tape, {a, b}, binary64));
-        for (const FormQuality& quality : judge.measure_quality(pairs)) CHECK_FALSE(quality.meets(request.requirement));
+        for (const FormQuality& quality : measurer.measure_quality(pairs))
+            CHECK_FALSE(quality.meets(request.requirement));
     }
 }
 
@@ -114,8 +115,8 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
                 tapes.push_back(terms.tape(terms.replace_nodes(terms.outputs(), rewrite.replacements)));
         REQUIRE(tapes.size() == 2);
         tapes.push_back(tape::record_tape(test::form_named("triangle.signed_volumes"), *find_format("f32")));
-        Judge judge(request, scene);
-        const auto quality = judge.measure_quality(tapes);
+        QualityMeasurer measurer(request, scene);
+        const auto quality = measurer.measure_quality(tapes);
         if (is_far) {
             CHECK(quality[1].wrong > 10 * quality[0].wrong);
             CHECK(quality[2].wrong > 10 * quality[0].wrong);
@@ -186,11 +187,11 @@ TEST_CASE("operations that exchanged axes map to one another are in one group", 
     CHECK(std::ranges::count(of_sphere, std::size_t{3}, &std::vector<NodeId>::size) >= 4);
 }
 
-TEST_CASE("exchanged axes group the operations of forms under matrices, stored either way", "[mend]") {
+TEST_CASE("exchanged axes group the operations of forms with transforms, stored either way", "[mend]") {
     Primitive<double> like(Shape::sphere);
     for (const bool inverse : {false, true}) {
         CAPTURE(inverse);
-        like.placed = Placement<double>{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, inverse, 1};
+        like.transform = Transform<double>{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, inverse, 1};
         const auto& form = intersect::transform::transformed_form(test::transform_method_named("plain"),
                                                                   test::form_named("sphere.half_b"));
         const Tape tape = tape::record_tape(form, *find_format("f32"), inverse);
@@ -263,23 +264,23 @@ TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     CHECK(m.wider_set.value().quality.meets(request.requirement));
 }
 
-TEST_CASE("under matrices the operations that lead into the space of the primitive are made wider", "[mend]") {
+TEST_CASE("with transforms the operations that lead into the space of the primitive are made wider", "[mend]") {
     Scene scene = scene_named("instance-far.sphere", 16);
     for (const bool inverse : {false, true}) {
         CAPTURE(inverse);
         if (inverse) {
             // The rotated sphere as the matrix back to it: the file holds the transpose, and -A^T T.
-            auto& placed = *scene.listed.front().placed;
-            const auto there = placed.map();
+            auto& transform = *scene.listed.front().transform;
+            const auto there = transform.map();
             const Affine<Real> back{{Vec<Real>(there.rows[0].x, there.rows[1].x, there.rows[2].x),
                                      Vec<Real>(there.rows[0].y, there.rows[1].y, there.rows[2].y),
                                      Vec<Real>(there.rows[0].z, there.rows[1].z, there.rows[2].z)},
                                     {Real(0), Real(0), Real(0)}};
             const Vec<Real> shift = back.linear(there.shift);
             std::size_t k = 0;
-            Affine<Real>{back.rows, {-shift.x, -shift.y, -shift.z}}.each(
-                [&](const Real& x) { placed.matrix[k++] = x; });
-            placed.is_inverse = true;
+            Affine<Real>{back.rows, {-shift.x, -shift.y, -shift.z}}.for_each_number(
+                [&](const Real& x) { transform.matrix[k++] = x; });
+            transform.is_inverse = true;
         }
         RepairRequest request = request_of(scene, "sphere.unified", 18);
         const auto& form = *request.tested_form.form;
@@ -291,11 +292,11 @@ TEST_CASE("under matrices the operations that lead into the space of the primiti
         CHECK(search.all.size() > tape::rounded_operations(tape::record_tape(form, request.tested_form.format)).size());
         request.tested_form.form =
             &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
-        const FormQuality relative = Judge(request, scene).measure_quality({record_tape(request)}).front();
+        const FormQuality relative = QualityMeasurer(request, scene).measure_quality({record_tape(request)}).front();
         CHECK(relative.kept_bits > own.kept_bits + (inverse ? -1 : 6));
     }
     scene.listed.push_back(scene.listed.front());
-    scene.listed.back().placed.reset();
+    scene.listed.back().transform.reset();
     RepairRequest mixed = request_of(scene, "sphere.unified", 18);
     mixed.tested_form.form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(),
                                                                      *mixed.tested_form.form);

@@ -1,5 +1,5 @@
-// Number of consecutive roundings in a bound of `Running`: counted through the spans of all shapes, under a matrix too,
-// and through the stages. Also a sum whose words overflow internally, which decides nothing.
+// Number of consecutive roundings in a bound of `Running`: counted through the spans of all shapes, with a transform
+// too, and through the stages. Also a sum whose words overflow internally, which decides nothing.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -70,7 +70,7 @@ struct Word {
 }  // namespace lostbits::test::test_chain_length
 
 template <>
-struct lostbits::number::wide::Words<lostbits::test::test_chain_length::Word> {
+struct lostbits::number::wide::WordProperties<lostbits::test::test_chain_length::Word> {
     using W = lostbits::test::test_chain_length::Word;
     using Word = lostbits::test::test_chain_length::Steps;
     static constexpr double error = 0x1p-53;
@@ -90,14 +90,14 @@ namespace {
 
 E lifted(double x) { return E(Word(x)); }
 
-int longest_of(Shape shape, bool placed, bool ranged) {
+int longest_of(Shape shape, bool has_transform, bool ranged) {
     longest = 0;
     Primitive<double> stored = primitive_around(shape, Vec<double>(0.25, -0.5, 0.125), 2.0);
-    if (placed) {
+    if (has_transform) {
         const std::array<double, 12> matrix{1.5, 0.25, 0, 1, -0.5, 1, 0.125, 2, 0.25, 0, 0.75, -1};
-        stored.placed = Placement<double>{matrix, false, 1};
+        stored.transform = Transform<double>{matrix, false, 1};
     }
-    const Primitive<E> primitive = transformed(stored, lifted);
+    const Primitive<E> primitive = convert_numbers(stored, lifted);
     for (const double away : {-8.0, 0.5}) {
         const auto vec = [](double x, double y, double z) { return Vec<E>(lifted(x), lifted(y), lifted(z)); };
         const Ray<E> ray{vec(0.75 + away, 0.5 - away / 2, away), vec(-0.25, 0.125, 1.5)};
@@ -116,10 +116,10 @@ int longest_of(Shape shape, bool placed, bool ranged) {
 TEST_CASE("bounds of every shape are no longer than their margin allows", "[running]") {
     int most = 0;
     for (const ShapeRow& row : shape_rows) {
-        for (const bool placed : {false, true}) {
+        for (const bool has_transform : {false, true}) {
             for (const bool ranged : {false, true}) {
-                const int steps = longest_of(row.shape, placed, ranged);
-                INFO(row.name << (placed ? " under a matrix" : "") << (ranged ? ", with a range" : ""));
+                const int steps = longest_of(row.shape, has_transform, ranged);
+                INFO(row.name << (has_transform ? " with a transform" : "") << (ranged ? ", with a range" : ""));
                 CHECK(steps > 4);
                 CHECK(steps <= E::longest_chain);
                 most = std::max(most, steps);

@@ -40,7 +40,7 @@ struct Ideal {
         for (const HardRay& p : problems) {
             const Vec<Real> origin = vec(p.ray.origin), direction = vec(p.ray.direction);
             rays.push({origin, direction});
-            primitives.push_back(transformed(p.primitive, moved));
+            primitives.push_back(convert_numbers(p.primitive, moved));
             const Range<double> range = ranged ? range_about_primitive(rng, p.ray, p.primitive, binary64) : p.range;
             rays.tmin.push_back(range.tmin), rays.tmax.push_back(range.tmax);
         }

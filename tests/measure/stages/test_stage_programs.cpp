@@ -158,7 +158,7 @@ TEST_CASE("stage programs: every shape has the words and bounds of its formula a
             for (const bool one_primitive : {false, true}) {
                 for (const StageKey& key : keys_of(shape, 1)) {
                     INFO(row_of(shape).name << ", one word, one solid " << one_primitive << ", ranged "
-                                            << key.has_ranges << ", matrix " << key.matrix.placed
+                                            << key.has_ranges << ", matrix " << key.matrix.exists
                                             << key.matrix.is_inverse);
                     const Counts found = compare<Of, float, double>(key, one_primitive, stages.binary64, problems);
                     CHECK(found.different == 0);
@@ -166,7 +166,7 @@ TEST_CASE("stage programs: every shape has the words and bounds of its formula a
                 }
                 for (const StageKey& key : keys_of(shape, 2)) {
                     INFO(row_of(shape).name << ", two words, one solid " << one_primitive << ", ranged "
-                                            << key.has_ranges << ", matrix " << key.matrix.placed
+                                            << key.has_ranges << ", matrix " << key.matrix.exists
                                             << key.matrix.is_inverse << ", two words each " << key.two_words);
                     const Counts found =
                         compare<Of, double, TwoWords<double>>(key, one_primitive, stages.double_double, problems);

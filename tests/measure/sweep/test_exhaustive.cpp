@@ -51,7 +51,7 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& r
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const Ray<double> given{wide(there.origin), wide(there.direction)};
     const Primitive<float> narrow = file.primitive_at(value);
-    const Primitive<double> primitive = transformed(narrow, [](float x) { return static_cast<double>(x); });
+    const Primitive<double> primitive = convert_numbers(narrow, [](float x) { return static_cast<double>(x); });
     const auto end = static_cast<double>(file.rays[ray].tmax);
     const truth::Truth t = truth::find_truth(given, primitive, {}, row.convention(), {.tmax = end});
     const bool unit = row.form->info->direction == intersect::Direction::unit;
@@ -117,7 +117,7 @@ Compared compare(const std::string& text, const std::vector<TestedForm>& tested_
                 CAPTURE(tested_forms[k].form->info->name, file.rays[r].name, binades[b].binade.name());
                 check_same(packs, alone);
                 compared.floats += alone.floats();
-                compared.wrong += alone.wrong() > 0;
+                compared.wrong += alone.wrong_count() > 0;
             }
         }
     }

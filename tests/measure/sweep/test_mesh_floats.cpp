@@ -72,8 +72,9 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
         for (std::size_t o = 0; o < tally.outcomes.size(); ++o)
             CHECK(tally.outcomes[o] == counts[static_cast<Outcome>(o)]);
         CHECK(tally.count(Outcome::crack) <= odd);
-        CHECK(tally.wrong() == counts[Outcome::crack] + counts[Outcome::double_hit] + counts[Outcome::false_miss] +
-                                   counts[Outcome::false_hit] + counts[Outcome::wrong_primitive]);
+        CHECK(tally.wrong_count() == counts[Outcome::crack] + counts[Outcome::double_hit] +
+                                         counts[Outcome::false_miss] + counts[Outcome::false_hit] +
+                                         counts[Outcome::wrong_primitive]);
         all.push_back(tally);
     }
     return all;
@@ -98,7 +99,7 @@ TEST_CASE("every float of a sweep through a mesh vertex is counted as its triang
     CHECK(tallies.front().count(Outcome::crack) > 0);
     // All six closed triangles meet the vertex. Only there does a form that decides correctly hit twice.
     const sweep::FloatTally& filtered = tallies.back();
-    CHECK(filtered.wrong() == 1);
+    CHECK(filtered.wrong_count() == 1);
     CHECK(filtered.count(Outcome::double_hit) == 1);
     CHECK(scene::sweep::float_at(filtered.first_wrong->float_index) == -7.9921875F);
 }

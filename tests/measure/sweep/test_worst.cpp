@@ -82,7 +82,7 @@ TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and dep
         REQUIRE(found[i].has_value());
         const WorstResult& w = *found[i];
         const FloatFormat& f = request.tested_forms[i].format.parameters;
-        CHECK(search.holds(w.ray, w.primitive));
+        CHECK(search.contains(w.ray, w.primitive));
         for (int k = 0; k < 3; ++k) CHECK((is_of(w.ray.origin[k], f) && is_of(w.ray.direction[k], f)));
         for (const double x : w.primitive.shape_numbers()) CHECK(is_of(x, f));
         CHECK(w.evaluations <= 2 * 12 * 32);
@@ -103,7 +103,7 @@ TEST_CASE("a search at edges separates slabs further than random rays do") {
                                .metrics = metrics_of(search)};
     for (const auto& found : find_worst(request)) {
         REQUIRE(found);
-        CHECK(search.holds(found->ray, found->primitive));
+        CHECK(search.contains(found->ray, found->primitive));
         CHECK(found->value > 2.5);  // box-edge-inside shows 2 u
         CHECK(found->value < 6);    // docs/bounds.md: the padding that slabs need
     }
@@ -149,7 +149,7 @@ TEST_CASE("a search reports for its worst ray what that ray measures alone") {
             const auto found = worst_of(search, r);
             REQUIRE(found.has_value());
             const Alone alone(r, found->ray, found->primitive);
-            CHECK(search.holds(found->ray, found->primitive));
+            CHECK(search.contains(found->ray, found->primitive));
             const bool agrees = found->outcome == Outcome::agree_hit;
             (agrees ? hits : wrong) += 1;
             if (agrees) {

@@ -21,7 +21,7 @@ template <class Form, class F>
 
 }  // namespace
 
-void fill_contracted(PlainRow* rows) {
+void fill_contracted(PlainFormKernels* rows) {
     intersect::for_each_form([&rows]<class Form>() {
         if constexpr (!intersect::marches<Form> && !Form::info.name.ends_with(".filtered")) {
             rows->f32 = ask<Form, float>;

@@ -7,12 +7,12 @@ namespace lostbits::test::test_contraction {
 template <class F>
 using EvaluatePlain = void (*)(const F* in, F* t, F* near, F* far, unsigned char* hit);
 
-struct PlainRow {
+struct PlainFormKernels {
     EvaluatePlain<float> f32 = nullptr;
     EvaluatePlain<double> f64 = nullptr;
 };
 
 /// A row for each form, in the order of the catalogue; null for those that march or filter.
-void fill_contracted(PlainRow* rows);
+void fill_contracted(PlainFormKernels* rows);
 
 }  // namespace lostbits::test::test_contraction

@@ -126,7 +126,7 @@ TEST_CASE("a contracted form has the bits of code that the compiler contracts", 
         "sphere.two_step", "sphere.newton_refined", "triangle.woop_double",  "triangle.projection",
         "capsule.quilez",  "cone.moment",           "torus.graphics_gems",   "torus.quilez",
         "torus.pov_ray",   "torus.brl_cad",         "torus.closest_approach"};
-    std::vector<PlainRow> rows(intersect::form_count);
+    std::vector<PlainFormKernels> rows(intersect::form_count);
     fill_contracted(rows.data());
     int forms = 0, changed = 0;
     for (std::size_t i = 0; i < intersect::form_count; ++i) {

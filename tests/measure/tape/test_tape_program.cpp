@@ -46,7 +46,8 @@ std::vector<Hit<double>> in_columns(const TapeProgram& program, const std::vecto
             x[static_cast<std::size_t>(k)][i] = static_cast<S>(settings[i].ray.origin[k]);
             x[static_cast<std::size_t>(3 + k)][i] = static_cast<S>(settings[i].ray.direction[k]);
         }
-        primitives.push_back(transformed(settings[i].primitives.front(), [](double v) { return static_cast<S>(v); }));
+        primitives.push_back(
+            convert_numbers(settings[i].primitives.front(), [](double v) { return static_cast<S>(v); }));
     }
     program.run<S>({x[0], x[1], x[2], x[3], x[4], x[5]},
                    intersect::Target<S>(std::span<const Primitive<S>>(primitives)), {x[6], x[7], x[8], hit});
@@ -103,7 +104,7 @@ TEST_CASE("a form's tape run over columns has the bits of the form", "[tape]") {
     for (const char* name : {"f32", "f64"}) {
         const Format format = *find_format(name);
         for (const Intersector& form : intersect::table::catalogue()) {
-            if (!form.exists_in(format) || !is_primitive(form.shape) || form.filter_arithmetic) continue;
+            if (!form.exists_in(format) || !is_primitive(form.shape) || form.deciding_arithmetic) continue;
             const auto rays = draw(form, format);
             const auto found = in_columns(format, TapeProgram(record_tape(form, format)), rays);
             for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -121,7 +122,7 @@ TEST_CASE("wider operations have the bits of a tape with those widths", "[tape]"
     Random random(7);
     std::size_t changed = 0;
     for (const Intersector& form : intersect::table::catalogue()) {
-        if (!form.exists_in(format) || !is_primitive(form.shape) || form.filter_arithmetic) continue;
+        if (!form.exists_in(format) || !is_primitive(form.shape) || form.deciding_arithmetic) continue;
         const Tape tape = record_tape(form, format);
         const auto rays = draw(form, format);
         for (int k = 0; k < 4; ++k) {

@@ -89,7 +89,7 @@ TEST_CASE("plain loops, packs and scalar loops do the same work", "[timing]") {
         CHECK(hits > 4);
         CHECK(hits < static_cast<std::ptrdiff_t>(scalar.size()) - 4);
         CHECK(after_a_pass({name, "128", "f32"}) == scalar);
-        const auto loops = intersect::simd::plain_rows();
+        const auto loops = intersect::simd::all_plain_kernels();
         const auto has_info = [&form](const auto& row) { return row.info == form.info; };
         if (name == "box.filtered") CHECK(std::ranges::none_of(loops, has_info));
         if (loops.empty() || name == "box.filtered") continue;

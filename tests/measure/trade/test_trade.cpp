@@ -25,7 +25,7 @@ OperationCounts operations(std::string_view form) {
     const auto narrow = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
-    const Primitive<float> primitive = transformed(pool.primitive, [](double x) { return static_cast<float>(x); });
+    const Primitive<float> primitive = convert_numbers(pool.primitive, [](double x) { return static_cast<float>(x); });
     return form_named(form).count({narrow(pool.hits[0].origin), narrow(pool.hits[0].direction)},
                                   intersect::Target<float>(primitive), HUGE_VALF);
 }

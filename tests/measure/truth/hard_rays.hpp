@@ -50,7 +50,7 @@ inline std::vector<HardDistribution> hard_distributions(Shape shape, std::initia
                 all.push_back({f.name, storage, [&f, storage, keep](Seeded& rng) {
                                    const BoxSample s = f.make(rng, storage);
                                    return HardRay{{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
-                                                  transformed(Primitive<double>(s.box), keep),
+                                                  convert_numbers(Primitive<double>(s.box), keep),
                                                   {.tmax = keep(s.tmax)}};
                                }});
         } else {

@@ -72,7 +72,7 @@ TEST_CASE("the gradient of every shape agrees with central differences, and give
     for (const auto& distribution : scene::sweep::distributions()) {
         INFO(distribution.table);
         int asked = 0, compared = 0;
-        for (const auto& group : distribution.sets().front().groups()) {
+        for (const auto& group : distribution.ray_sets().front().groups()) {
             if (asked == 400) break;
             Ray<double> ray = group.rays[0];
             Primitive<double> primitive = group.primitives.front();

@@ -115,7 +115,7 @@ const int rays_per_distribution = test::draws(2000);
 
 TEST_CASE("the forward error is at most condition number times backward error for every shape", "[margin][forward]") {
     for (const auto& distribution : scene::sweep::distributions())
-        for (const auto& set : distribution.sets()) {
+        for (const auto& set : distribution.ray_sets()) {
             INFO(distribution.table << ", " << set.name);
             const bool at_edges = set.name == "edge-grazing";
             Both both;
@@ -123,7 +123,7 @@ TEST_CASE("the forward error is at most condition number times backward error fo
             int tried = 0;
             for (const auto& group : set.groups())
                 for (std::size_t i = 0; i < group.rays.size() && tried < rays_per_distribution; ++i, ++tried)
-                    try_ray(both, group.rays[i], group.primitives[group.paired ? i : 0], at_edges, rng);
+                    try_ray(both, group.rays[i], group.primitives[group.is_paired ? i : 0], at_edges, rng);
             both.finite.check(rays_per_distribution / 4);
             // At an edge there is no derivative.
             if (!at_edges) both.first_order.check(rays_per_distribution / 4);

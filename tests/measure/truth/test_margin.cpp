@@ -218,7 +218,7 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
         INFO(distribution.table);
         Seeded rng(0x3a61);
         int told = 0, asked = 0;
-        for (const auto& set : distribution.sets()) {
+        for (const auto& set : distribution.ray_sets()) {
             for (const auto& group : set.groups()) {
                 if (asked >= 4 * rays_per_distribution) break;
                 const Ray<double> ray = group.rays[0];

@@ -1,5 +1,5 @@
 // The bound on how far errors of the inputs move t, compared with problems that have such errors, in 2048 bits: with a
-// primitive for each ray, and with one primitive under a matrix whose numbers are far apart.
+// primitive for each ray, and with one transformed primitive whose numbers are far apart.
 #include <array>
 #include <cmath>
 #include <optional>
@@ -206,7 +206,7 @@ TEST_CASE("t moves no further than its reach - triangles", "[reach]") {
 
 namespace {
 
-/// The near root of a sphere under a matrix: the ray by Cramer's rule, x the numbers of the ray, the sphere, and the
+/// The near root of a transformed sphere: the ray by Cramer's rule, x the numbers of the ray, the sphere, and the
 /// matrix row by row.
 std::optional<Wide> near_root_under(const std::array<Wide, 22>& x) {
     const auto row = [&x](std::size_t k) { return Vec<Wide>(x[10 + k], x[11 + k], x[12 + k]); };
@@ -226,7 +226,7 @@ std::optional<Wide> near_root_under(const std::array<Wide, 22>& x) {
 
 }  // namespace
 
-TEST_CASE("t moves no further than its reach - under matrices with widely spread numbers", "[reach]") {
+TEST_CASE("t moves no further than its reach - with transforms of widely spread numbers", "[reach]") {
     int trials = 0, known = 0, near = 0;
     for (const FloatFormat& format : {binary32, binary64}) {
         Seeded rng(0x5ca1e);
@@ -238,10 +238,10 @@ TEST_CASE("t moves no further than its reach - under matrices with widely spread
             for (double& x : m) x = rng.signed_magnitude(size - (i % 2 ? 70 : 50), size - (i % 2 ? 50 : 20));
             for (const std::size_t k : {0, 5, 10}) m[k] = rng.signed_magnitude(size - 1, size + 1);
             const auto stored = [&format](double x) { return test::stored(x, format); };
-            primitive.placed = transformed(Placement<double>{m, false, 1}, stored);
-            primitive = transformed(primitive, stored);
+            primitive.transform = convert_numbers(Transform<double>{m, false, 1}, stored);
+            primitive = convert_numbers(primitive, stored);
             const Vec<double> from = std::ldexp(1.0, size) * rng.vec(-8, 8),
-                              at = primitive.placed->map().point(primitive.point(0));
+                              at = primitive.transform->map().point(primitive.point(0));
             const Ray<double> ray{test::stored(at + from, format),
                                   test::stored(-from + std::ldexp(0.5, size) * rng.vec(-1, 1), format)};
             const auto truth = measure::truth::find_truth(ray, primitive);
@@ -251,7 +251,7 @@ TEST_CASE("t moves no further than its reach - under matrices with widely spread
             for (int k = 0; k < 3; ++k)
                 x[static_cast<std::size_t>(k)] = ray.origin[k], x[static_cast<std::size_t>(3 + k)] = ray.direction[k];
             for (std::size_t k = 0; k < 4; ++k) x[6 + k] = primitive.numbers[k];
-            for (std::size_t k = 0; k < 12; ++k) x[10 + k] = primitive.placed->matrix[k];
+            for (std::size_t k = 0; k < 12; ++k) x[10 + k] = primitive.transform->matrix[k];
             for (std::size_t k = 0; k < 22; ++k) step[k] = half_ulp_of(static_cast<double>(x[k]), format);
             const auto t = near_root_under(x);
             if (!t || *t <= 0) continue;

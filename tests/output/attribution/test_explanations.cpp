@@ -155,7 +155,7 @@ std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
     for (const double root : {t, near, far})  // rounded to a double, it may be on the other side
         for (const double end : {x.range.tmin, x.range.tmax})
             if (std::fabs(root - end) <= 0x1p-50 * std::fabs(end)) return {};
-    std::uint8_t hit = found.exact_hit;
+    std::uint8_t hit = found.is_exact_hit;
     const auto one = [](double& v) { return std::span<double>(&v, 1); };
     double begin = x.range.tmin, end = x.range.tmax, zero = 0;
     const intersect::table::RayBatch<double> batch{one(zero), one(zero), one(zero),  one(zero),        one(zero),
@@ -234,7 +234,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
         limits += !whole;
         if (s.x.attribution.loop_was_cut_short) return;
         if (const auto exact = exact_decision(asked, s.x)) {
-            REQUIRE(s.x.attribution.exact_hit == *exact);
+            REQUIRE(s.x.attribution.is_exact_hit == *exact);
             ++decided;
             turned += s.x.hit != *exact;
         }

@@ -58,7 +58,7 @@ output::image::ExrImage image_of(std::vector<float> x, std::vector<std::uint32_t
 TEST_CASE("diff: tables of earlier versions are compared under today's names") {
     const auto before = table("form,wrong_object,fault_outcome\nx,3,wrong_object\n");
     const auto now = table("form,wrong_primitive,fault_outcome\nx,3,wrong_primitive\n");
-    CHECK(output::diff::compare(before, now, {}).same());
+    CHECK(output::diff::compare(before, now, {}).is_same());
     CHECK(output::diff::compare(table("form,wrong_object\nx,3\n"), table("form,wrong_primitive\nx,4\n"), {}).count ==
           1);
 }
@@ -67,7 +67,7 @@ TEST_CASE("diff: without a tolerance, numbers are compared by exact value and te
     for (const auto& [a, b] :
          {std::pair{"1e3", "1000"}, {"nan", "NaN"}, {"inf", "Infinity"}, {"a b", "a b"}, {"", ""}}) {
         INFO(a << " " << b);
-        CHECK(cells(a, b).same());
+        CHECK(cells(a, b).is_same());
     }
     for (const auto& [a, b] : {std::pair{"1", "1.0000000000000000000001"},
                                {"0", "-0"},
@@ -83,14 +83,14 @@ TEST_CASE("diff: without a tolerance, numbers are compared by exact value and te
 
 TEST_CASE("diff: a tolerance never covers NaN, infinities, missing values and text", "[difference]") {
     const auto generous = within({"*=1e300,1e300"});
-    REQUIRE(cells("1", "1e200", generous).same());
+    REQUIRE(cells("1", "1e200", generous).is_same());
     const char* kinds[] = {"1", "nan", "", "inf", "-inf", "text"};
     for (const char* a : kinds) {
         for (const char* b : kinds) {
             INFO('"' << a << "\" \"" << b << '"');
             const output::diff::Comparison c = cells(a, b, generous);
-            CHECK(c.same() == (std::string_view(a) == b));
-            CHECK(c.columns[0].not_finite_count == (c.same() ? 0 : 1));
+            CHECK(c.is_same() == (std::string_view(a) == b));
+            CHECK(c.columns[0].not_finite_count == (c.is_same() ? 0 : 1));
             CHECK(c.columns[0].absolute.position.empty());
         }
     }
@@ -98,19 +98,19 @@ TEST_CASE("diff: a tolerance never covers NaN, infinities, missing values and te
 
 TEST_CASE("diff: a tolerance is absolute or relative, symmetric, and compared without rounding", "[difference]") {
     // In double, 0.4 - 0.3 is more than 0.1.
-    CHECK(cells("0.3", "0.4", within({"x=0.1"})).same());
+    CHECK(cells("0.3", "0.4", within({"x=0.1"})).is_same());
     CHECK(cells("0.3", "0.4000000000000000000000000001", within({"x=0.1"})).count == 1);
-    CHECK(cells("90", "100", within({"x=0,0.1"})).same());
-    CHECK(cells("100", "90", within({"x=0,0.1"})).same());
+    CHECK(cells("90", "100", within({"x=0,0.1"})).is_same());
+    CHECK(cells("100", "90", within({"x=0,0.1"})).is_same());
     CHECK(cells("100", "89.9999999999999999999", within({"x=0,0.1"})).count == 1);
-    CHECK(cells("-90", "-100", within({"x=0,0.1"})).same());
+    CHECK(cells("-90", "-100", within({"x=0,0.1"})).is_same());
     CHECK(cells("-1", "1", within({"x=1.9,1.9"})).count == 1);
-    CHECK(cells("1", "2", within({"x=1"})).same());
-    CHECK(cells("0", "-0", within({"x=0"})).same());
+    CHECK(cells("1", "2", within({"x=1"})).is_same());
+    CHECK(cells("0", "-0", within({"x=0"})).is_same());
     CHECK(cells("1", "2", within({"y=1"})).count == 1);
-    CHECK(cells("1", "2", within({"[w-y]=1"})).same());
+    CHECK(cells("1", "2", within({"[w-y]=1"})).is_same());
     CHECK(cells("1", "2", within({"*=1", "x=0.5"})).count == 1);
-    CHECK(cells("1", "2", within({"x=0.5", "*=1"})).same());
+    CHECK(cells("1", "2", within({"x=0.5", "*=1"})).is_same());
 }
 
 TEST_CASE("diff: numbers far apart are compared as exact fractions are", "[difference]") {
@@ -140,7 +140,7 @@ TEST_CASE("diff: numbers far apart are compared as exact fractions are", "[diffe
         const Fraction apart = abs(a.value - b.value), larger = std::max(abs(a.value), abs(b.value));
         const bool right = apart <= absolute.value || apart <= Fraction(percent, 100) * larger;
         INFO(a.text << " and " << b.text << " within " << absolute.text << ", " << relative);
-        REQUIRE(cells(a.text, b.text, within({("x=" + absolute.text + "," + relative).c_str()})).same() == right);
+        REQUIRE(cells(a.text, b.text, within({("x=" + absolute.text + "," + relative).c_str()})).is_same() == right);
         same += right;
         const auto found = cells(a.text, b.text);
         if (apart == 0) continue;
@@ -151,8 +151,8 @@ TEST_CASE("diff: numbers far apart are compared as exact fractions are", "[diffe
     CHECK(same > 1000);
     CHECK(same < 19000);
     CHECK(cells("1e9999", "1e-9999").count == 1);
-    CHECK(cells("0", "1e-9999", within({"x=1e-9999"})).same());
-    CHECK(cells("1e-9999", "1e9999", within({"x=1e9999"})).same());
+    CHECK(cells("0", "1e-9999", within({"x=1e-9999"})).is_same());
+    CHECK(cells("1e-9999", "1e9999", within({"x=1e9999"})).is_same());
     CHECK(cells("-1e-9999", "1e9999", within({"x=1e9999"})).count == 1);
 }
 
@@ -181,10 +181,10 @@ TEST_CASE("diff: as few columns as possible are reported as moved", "[difference
 
 TEST_CASE("diff: hexadecimal columns are exact text unless a tolerance names them", "[difference]") {
     CHECK(cells("0x1p+1", "0x2p+0", {}, "t_hex").count == 1);
-    CHECK(cells("0x1p+1", "0x2p+0", {}, "t_hexed").same());
+    CHECK(cells("0x1p+1", "0x2p+0", {}, "t_hexed").is_same());
     CHECK(cells("0x1p+1", "0x2p+0", within({"t=1"}), "t_hex").count == 1);
-    CHECK(cells("0x1p+1", "0x2p+0", within({"t_hex=0"}), "t_hex").same());
-    CHECK(cells("0x1p+1", "0x1.8p+1", within({"t_hex=1"}), "t_hex").same());
+    CHECK(cells("0x1p+1", "0x2p+0", within({"t_hex=0"}), "t_hex").is_same());
+    CHECK(cells("0x1p+1", "0x1.8p+1", within({"t_hex=1"}), "t_hex").is_same());
     CHECK(cells("0x1p+1", "0x1.8p+1", within({"t_hex=0.5"}), "t_hex").count == 1);
 }
 
@@ -208,9 +208,9 @@ TEST_CASE("diff: missing, added and moved columns are reported, and the others c
     CHECK(says(c, "column b moved from place 2 to place 4"));
     CHECK(says(c, "d: 4 != 9 (abs 5, rel 0.5556)"));
     CHECK((c.names == std::vector<std::string>{"a", "b", "c", "d", "e", "f"}));
-    CHECK(compare(a, table("a,c,d,b,f\n1,3,9,2,6\n"), within({}, {"[b-f]"})).same());
+    CHECK(compare(a, table("a,c,d,b,f\n1,3,9,2,6\n"), within({}, {"[b-f]"})).is_same());
     CHECK(compare(a, table("b,c,d,e,a\n2,3,4,5,1\n"), {}).count == 1);
-    CHECK(compare(a, a, {}).same());
+    CHECK(compare(a, a, {}).is_same());
 }
 
 TEST_CASE("diff: rows are matched by position, and different numbers of rows are reported", "[difference]") {
@@ -223,7 +223,7 @@ TEST_CASE("diff: rows are matched by position, and different numbers of rows are
 
 TEST_CASE("diff: rows of claims are matched by their id, wherever they stand", "[difference]") {
     const CsvTable before = table("id,measured\na,1\nb,2\nc,3\n");
-    CHECK(compare(before, table("id,measured\nc,3\na,1\nb,2\n"), {}).same());
+    CHECK(compare(before, table("id,measured\nc,3\na,1\nb,2\n"), {}).is_same());
     const output::diff::Comparison c = compare(before, table("id,measured\nnew,7\nc,4\na,1\n"), {});
     CHECK(c.count == 3);
     CHECK(c.rows == 2);
@@ -267,7 +267,7 @@ TEST_CASE("diff: the largest differences and their places are shown, up to the r
     }
     // A difference within the tolerance is measured all the same.
     const output::diff::Comparison c = compare(table(a), table(b), within({"x=60"}));
-    CHECK(c.same());
+    CHECK(c.is_same());
     CHECK(c.columns[0].absolute.value == 60);
     // Neither leaves the range of a double, nor vanishes in it.
     CHECK(cells("1e400", "2e400").columns[0].relative.value == Approx(0.5));
@@ -278,16 +278,16 @@ TEST_CASE("diff: EXR samples are compared bit by bit, NaNs are equal, and a tole
           "[difference]") {
     const float payload = std::bit_cast<float>(0x7FC01234u);
     REQUIRE(std::isnan(payload));
-    CHECK(compare(image_of({1, not_a_number, inf, 0}), image_of({1, payload, inf, 0}), {}).same());
+    CHECK(compare(image_of({1, not_a_number, inf, 0}), image_of({1, payload, inf, 0}), {}).is_same());
     const output::diff::Comparison c = compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.5, 4}), {});
     REQUIRE(c.count == 1);
     CHECK(c.differences[0].text == "err.ulp at 0,1: 3 != 3.5 (abs 0.5, rel 0.1429)");
     CHECK(c.columns[1].absolute.position == "0,1");
     const auto half = within({"err.*=0.5"});
-    CHECK(compare(image_of({1, 2, 3, 0.0F}), image_of({1, 2, 3.5, -0.0F}), half).same());
+    CHECK(compare(image_of({1, 2, 3, 0.0F}), image_of({1, 2, 3.5, -0.0F}), half).is_same());
     CHECK(compare(image_of({1, 2, 3, 0.0F}), image_of({1, 2, 3, -0.0F}), {}).count == 1);
     CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.75, 4}), half).count == 1);
-    CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.75, 4}), within({"err.*=0,0.25"})).same());
+    CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3.75, 4}), within({"err.*=0,0.25"})).is_same());
     const auto generous = within({"*=1e30,1e30"});
     for (const float other : {inf, -inf, not_a_number}) {
         CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, other, 4}), generous).columns[1].not_finite_count == 1);
@@ -298,7 +298,7 @@ TEST_CASE("diff: EXR samples are compared bit by bit, NaNs are equal, and a tole
         compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), generous);
     REQUIRE(codes.count == 1);
     CHECK(codes.differences[0].text == "class.id at 1,0: 2 != 7");
-    CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), within({}, {"class.*"})).same());
+    CHECK(compare(image_of({1, 2, 3, 4}), image_of({1, 2, 3, 4}, {1, 7, 3, 4}), within({}, {"class.*"})).is_same());
 }
 
 TEST_CASE("diff: EXR sizes, channels, types and attributes are compared", "[difference]") {
@@ -315,7 +315,7 @@ TEST_CASE("diff: EXR sizes, channels, types and attributes are compared", "[diff
     CHECK(says(renamed, "channel err.ulp is missing in the second"));
     CHECK(says(renamed, "channel err.other is added in the second"));
     CHECK((renamed.names == std::vector<std::string>{"class.id", "err.ulp", "err.other"}));
-    CHECK(compare(a, b, within({}, {"err.*"})).same());
+    CHECK(compare(a, b, within({}, {"err.*"})).is_same());
 
     b = image_of({1, 2, 3, 4});
     b.channels[1].samples = std::vector<std::uint32_t>{1, 2, 3, 4};
@@ -324,7 +324,7 @@ TEST_CASE("diff: EXR sizes, channels, types and attributes are compared", "[diff
     b = image_of({1, 2, 3, 4});
     b.attributes = {
         {"lostbits:command", "another"}, {"lostbits:compiler", "another"}, {"lostbits:form", "sphere.press"}};
-    CHECK(compare(a, b, {}).same());
+    CHECK(compare(a, b, {}).is_same());
     b.attributes.back().second = "sphere.unified";
     CHECK(says(compare(a, b, {}), "attribute lostbits:form: \"sphere.press\" != \"sphere.unified\""));
     b.attributes.pop_back();
@@ -333,7 +333,7 @@ TEST_CASE("diff: EXR sizes, channels, types and attributes are compared", "[diff
 
 TEST_CASE("diff: PNG files are compared by pixels and other files by bytes", "[difference]") {
     const output::image::PngImage a{2, 1, {{1, 2, 3}, {4, 5, 6}}};
-    CHECK(compare(a, a, {}).same());
+    CHECK(compare(a, a, {}).is_same());
     const output::diff::Comparison c = compare(a, {2, 1, {{1, 2, 3}, {4, 5, 57}}}, {});
     REQUIRE(c.count == 1);
     CHECK(c.differences[0].text == "pixel at 1,0: 4,5,6 != 4,5,57");
@@ -341,7 +341,7 @@ TEST_CASE("diff: PNG files are compared by pixels and other files by bytes", "[d
     CHECK(c.columns[0].relative.value == Approx(0.2));
     CHECK(says(compare(a, {1, 2, a.pixels}, {}), "size: 2x1 != 1x2"));
 
-    CHECK(output::diff::compare_bytes("abc", "abc").same());
+    CHECK(output::diff::compare_bytes("abc", "abc").is_same());
     const output::diff::Comparison bytes = compare_bytes("a\nbc", "a\nbx!");
     REQUIRE(bytes.count == 1);
     CHECK(bytes.differences[0].line == 2);

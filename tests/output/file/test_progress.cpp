@@ -69,7 +69,7 @@ TEST_CASE("the progress bar counts from all threads and erases itself", "[progre
     const std::string out = written([](int fd) {
         Progress bar(4000, "map", Progress::Mode::bar, false, fd);
         bar.advance(0);
-        bar.say("note");
+        bar.print_line("note");
         std::vector<std::thread> threads;
         for (int t = 0; t < 4; ++t) {
             threads.emplace_back([&] {

@@ -46,7 +46,7 @@ inline bool rim_is_blank(const output::image::PngImage& image) {
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width; ++x) {
             const bool inside = x >= rim && y >= rim && x < image.width - rim && y < image.height - rim;
-            if (!inside && pixel_at(image, x, y) != image::style::page) return false;
+            if (!inside && pixel_at(image, x, y) != image::style::background) return false;
         }
     }
     return true;

@@ -12,8 +12,8 @@
 #include "output/helpers.hpp"
 #include "output/image/colour.hpp"
 #include "output/image/eyes.hpp"
+#include "output/map/bits_needed_files.hpp"
 #include "output/map/map_colour.hpp"
-#include "output/map/needed_files.hpp"
 #include "output/render/render_files.hpp"
 
 namespace test_colour {

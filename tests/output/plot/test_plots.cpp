@@ -264,7 +264,7 @@ TEST_CASE("the envelope is grey below its line and page-coloured above", "[line_
     const auto image = plotted(folder, spec);
     const auto frame = frame_of(image);
     const int x = static_cast<int>(frame.pixel_x(0.52)), edge = static_cast<int>(frame.pixel_y(25.0 / 53));
-    CHECK(pixel_at(image, x, edge - 5) == image::style::page);
+    CHECK(pixel_at(image, x, edge - 5) == image::style::background);
     CHECK(pixel_at(image, x, edge + 5) == envelope_fill);
     CHECK(pixel_at(image, x, frame.y + frame.height - 1) == envelope_fill);
     CHECK(in_legend(image, envelope_fill) > 200);

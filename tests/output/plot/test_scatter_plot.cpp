@@ -58,7 +58,7 @@ TEST_CASE("labels never cover other labels or occupied space", "[scatter_plot]")
     std::size_t placed = 0, requested = 0;
     for (int round = 0; round < 200; ++round) {
         std::vector<LabelRequest> requests;
-        std::vector<Box2> taken, avoided;
+        std::vector<LabelBox> taken, avoided;
         for (int i = 0; i < 12; ++i) {
             // Half of them crowded into a corner.
             const double reach = i % 2 == 0 ? 600 : 60;
@@ -67,7 +67,7 @@ TEST_CASE("labels never cover other labels or occupied space", "[scatter_plot]")
             taken.push_back({at.x - 5, at.y - 5, 10, 10});
             avoided.push_back({600 * unit(), 600 * unit(), 10, 10});
         }
-        const Box2 limits{0, 0, 640, 640};
+        const LabelBox limits{0, 0, 640, 640};
         const auto places = place_labels(requests, {limits, taken, avoided});
         REQUIRE(places.size() == requests.size());
         requested += requests.size();
@@ -76,7 +76,7 @@ TEST_CASE("labels never cover other labels or occupied space", "[scatter_plot]")
             ++placed;
             CHECK(places[i]->width == requests[i].width);
             CHECK(limits.contains(*places[i]));
-            for (const Box2& t : taken) CHECK_FALSE(places[i]->overlaps(t));
+            for (const LabelBox& t : taken) CHECK_FALSE(places[i]->overlaps(t));
             for (std::size_t j = 0; j < i; ++j) CHECK_FALSE((places[j] && places[i]->overlaps(*places[j])));
         }
     }
@@ -86,9 +86,9 @@ TEST_CASE("labels never cover other labels or occupied space", "[scatter_plot]")
 TEST_CASE("a line to a label crosses another one only if it must", "[scatter_plot]") {
     // The first label fits only into a corridor, 130 to the right. The second is nearer to the upper end of the
     // occupied space than to the lower one, but the line upwards would cross that of the first.
-    const std::vector<Box2> taken{{24, -20, 116, 260}, {140, -20, 260, 114}, {140, 106, 260, 134}};
+    const std::vector<LabelBox> taken{{24, -20, 116, 260}, {140, -20, 260, 114}, {140, 106, 260, 134}};
     const std::vector<LabelRequest> requests{{{20, 100}, 40, 10}, {{80, 104}, 30, 10}};
-    const Box2 limits{10, -100, 400, 500};
+    const LabelBox limits{10, -100, 400, 500};
     const auto both = place_labels(requests, {limits, taken, {}});
     REQUIRE((both[0] && both[1]));
     CHECK(both[0]->x == Approx(150));
@@ -99,18 +99,18 @@ TEST_CASE("a line to a label crosses another one only if it must", "[scatter_plo
 }
 
 TEST_CASE("a label is beside its point where it covers least, and left out where there is no space", "[scatter_plot]") {
-    const Box2 limits{0, 0, 300, 100};
+    const LabelBox limits{0, 0, 300, 100};
     const LabelRequest request{{150, 50}, 50, 14};
     const auto free = place_labels({&request, 1}, {limits, {}, {}});
     REQUIRE(free[0].has_value());
     const Point near = free[0]->nearest(request.point);
     CHECK(std::hypot(near.x - 150, near.y - 50) == Approx(6));
-    const Box2 right{151, 0, 149, 100};
+    const LabelBox right{151, 0, 149, 100};
     const auto left = place_labels({&request, 1}, {limits, {}, {&right, 1}});
     REQUIRE(left[0].has_value());
     CHECK_FALSE(left[0]->overlaps(right));
     // A grey point everywhere within 60 pixels: the name goes to a free place, however far away.
-    std::vector<Box2> points;
+    std::vector<LabelBox> points;
     for (int x = 60; x < 240; x += 8) points.push_back({static_cast<double>(x), 0, 8, 100});
     const LabelRequest narrow{{150, 50}, 20, 14};
     const auto far = place_labels({&narrow, 1}, {limits, {}, points});

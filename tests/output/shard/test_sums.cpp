@@ -25,7 +25,7 @@ namespace {
 /// Joins the shards of a study, which were written as bits and read back.
 template <class Study>
 std::vector<typename Study::Summary> joined(Study study, std::uint64_t shards) {
-    auto all = measure::study::begin_all(study);
+    auto all = measure::study::empty_summaries(study);
     for (std::uint64_t k = 1; k <= shards; ++k) {
         study.share = {k, shards};
         output::shard::BitReader bits(bits_of(run_share(study)));

@@ -70,10 +70,10 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
     CHECK(equal(look.background, 0.25, 0.5, 1));
     CHECK(equal(*look.light, 5, 6, 7));
     CHECK(look.shadows->tests_departed_sphere);
-    CHECK(look.shadows->offset == ShadowRule::Offset::ulp);
+    CHECK(look.shadows->offset == ShadowRule::ShadowOffset::ulp);
     CHECK(look.shadows->ulps == 4);
     CHECK(look.shadows->background == Real(1) / 2);
-    CHECK_FALSE(look.shadows->half_diffuse);
+    CHECK_FALSE(look.shadows->keeps_half_diffuse);
     REQUIRE(look.materials.size() == 2);
     CHECK(equal(look.materials[0].colour, 1, 0.5, 0));
     CHECK(look.materials[0].ambient == Real(1) / 8);
@@ -87,7 +87,7 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
         loaded(replaced(painted, "offset = \"ulp\"\nulps = 4",
                         "offset = \"epsilon\"\nepsilon = 1e-3\nsurface = \"half_diffuse\"\nbackground = 0.25"));
     CHECK(eps.appearance.shadows->epsilon == Real(1) / 1000);
-    CHECK(eps.appearance.shadows->half_diffuse);
+    CHECK(eps.appearance.shadows->keeps_half_diffuse);
     CHECK(eps.appearance.shadows->background == Real(1) / 4);
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("a scene asks for every stage that it has the inputs for, and stages d
         CHECK(phong.last_stage_up_to(s) == s);
     const Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
     CHECK(matte.last_stage() == Stage::shadows);
-    CHECK_FALSE(matte.asks_for(Stage::phong));
+    CHECK_FALSE(matte.has_stage(Stage::phong));
     const Appearance plain =
         loaded(replaced(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
     CHECK(plain.last_stage() == Stage::phong);

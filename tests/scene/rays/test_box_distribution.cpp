@@ -70,13 +70,13 @@ std::uint64_t digest(const std::vector<RayGroup>& groups) {
     return out;
 }
 
-std::uint64_t digest(SphereDistribution::Projection projection, SphereDistribution::Views directions,
+std::uint64_t digest(SphereDistribution::Projection projection, SphereDistribution::ViewDirections directions,
                      SphereDistribution::Weighting weighting) {
     SphereDistribution f;
     f.projection = projection;
     f.directions = directions;
     f.weighting = weighting;
-    f.tilt = directions == SphereDistribution::Views::tilted ? 0.25 : 0;
+    f.tilt = directions == SphereDistribution::ViewDirections::tilted ? 0.25 : 0;
     f.views = 64;
     f.rays = 3;
     return digest(f.draw());
@@ -179,7 +179,7 @@ TEST_CASE("every shape has a ray distribution with its own table, and an easy se
     CHECK(scene::sweep::distributions().size() == shape_rows.size());
     for (const auto& row : scene::sweep::distributions()) {
         INFO(row.table);
-        CHECK(row.sets().front().name == "easy");
+        CHECK(row.ray_sets().front().name == "easy");
         const auto timed = row.draw_timed_rays();
         REQUIRE(timed.hits.rays.size() == 4096);
         REQUIRE(timed.misses.rays.size() == 4096);
@@ -199,7 +199,7 @@ TEST_CASE("targets of rays lie on the surface, and lines at silhouettes touch it
     const std::set<std::string_view> on_surface{"rim", "seam", "edge", "corner", "vertex", "generator", "flat", "apex"};
     std::set<std::string_view> seen;
     for (const auto& row : scene::sweep::distributions()) {
-        const auto groups = row.sets().front().groups();
+        const auto groups = row.ray_sets().front().groups();
         Random random(9);
         for (const auto& [name, aim] : row.aims) {
             seen.insert(name);
@@ -249,7 +249,7 @@ TEST_CASE("ray distributions of shapes with several targets read the target that
 // clang than by gcc, of the same sphere and the same statistics, and so other measured numbers.
 TEST_CASE("a seed gives the same rays with every compiler") {
     using enum SphereDistribution::Projection;
-    using enum SphereDistribution::Views;
+    using enum SphereDistribution::ViewDirections;
     using enum SphereDistribution::Weighting;
     CHECK(digest(parallel, oblique, disc) == 0xa18d3583b8607744);
     CHECK(digest(parallel, tilted, silhouette) == 0x648a7d8c0f730071);

@@ -4,9 +4,9 @@
 #include "catch.hpp"
 #include "number/real.hpp"
 #include "scene/rays/camera.hpp"
-#include "scene/rays/lost_lengths.hpp"
 #include "scene/rays/primitive_list.hpp"
 #include "scene/rays/rays.hpp"
+#include "scene/rays/unrepresentable_lengths.hpp"
 #include "scene/scene_text.hpp"
 #include "scene/toml/round.hpp"
 
@@ -61,7 +61,7 @@ using Lines = std::vector<std::string>;
 FloatFormat shape_of(const char* name) { return find_format(name).value().parameters; }
 
 Lines lost(const std::vector<Primitive<double>>& primitives, const char* format) {
-    LostLengths all(shape_of(format));
+    UnrepresentableLengths all(shape_of(format));
     for (std::size_t i = 0; i < primitives.size(); ++i)
         all.add(primitives[i], [i] { return "solid " + std::to_string(i); });
     return all.lines();
@@ -223,7 +223,7 @@ TEST_CASE("a coordinate is lost when it becomes infinite, and a box when it has 
 
 TEST_CASE("the lengths of a scene are listed by their --set paths: primitives and eye") {
     const auto of = [](const std::string& text, const char* format) {
-        return lost_lengths(loaded(text), shape_of(format));
+        return unrepresentable_lengths(loaded(text), shape_of(format));
     };
     const std::string tiny = replaced(good_scene, "radius = 1", "radius = 1e-9");
     REQUIRE(tiny != good_scene);

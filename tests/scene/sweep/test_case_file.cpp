@@ -53,9 +53,9 @@ TEST_CASE("cases are read in order, each with its rays and primitives") {
     REQUIRE(file.size() == 2);
     CHECK(file.name(1) == "two");
     CHECK(file.shapes() == std::vector{Shape::sphere});
-    CHECK(file.matching("t*o", {}) == std::vector<std::size_t>{1});
+    CHECK(file.cases_matching("t*o", {}) == std::vector<std::size_t>{1});
     CHECK(error_of([&] {
-              static_cast<void>(file.matching("tow", {"claims.toml", 4, 2}));
+              static_cast<void>(file.cases_matching("tow", {"claims.toml", 4, 2}));
           }) == "claims.toml:4:2: no case \"tow\" in c; did you mean \"two\"?");
     const auto first = file.rays(0, binary32);
     REQUIRE(first.size() == 1);

@@ -52,11 +52,11 @@ TEST_CASE("a search has a range for every number of ray and primitive") {
     CHECK(box.metric == "ulp_error");
     CHECK((box.seed == 7 && box.starts == 3 && box.generations == 5));
     const Ray<double> ray{{0, 0, 0}, {1, 0, 0}};
-    CHECK(box.holds(ray, Box<double>{{0, 0, 0}, {1, 1, 1}}));
-    CHECK(box.holds(ray, Box<double>{{2, 0, 0}, {2, 1, 1}}));  // a side of no thickness
-    CHECK_FALSE(box.holds(ray, Box<double>{{2, 0, 0}, {1, 1, 1}}));
-    CHECK_FALSE(box.holds(ray, Box<double>{{0, 0, 0}, {1, 1, 3.5}}));
-    CHECK_FALSE(box.holds(Ray<double>{{0, 0, 0}, {0, 0, 0}}, Box<double>{{0, 0, 0}, {1, 1, 1}}));
+    CHECK(box.contains(ray, Box<double>{{0, 0, 0}, {1, 1, 1}}));
+    CHECK(box.contains(ray, Box<double>{{2, 0, 0}, {2, 1, 1}}));  // a side of no thickness
+    CHECK_FALSE(box.contains(ray, Box<double>{{2, 0, 0}, {1, 1, 1}}));
+    CHECK_FALSE(box.contains(ray, Box<double>{{0, 0, 0}, {1, 1, 3.5}}));
+    CHECK_FALSE(box.contains(Ray<double>{{0, 0, 0}, {0, 0, 0}}, Box<double>{{0, 0, 0}, {1, 1, 1}}));
 }
 
 TEST_CASE("a search can draw free significands, draw rays at edges, and minimise") {
@@ -107,7 +107,7 @@ aim = "rim"
 TEST_CASE("a search accepts rays within all its ranges, derived ones included") {
     const SearchFile s = loaded_search(good_search);
     const auto holds = [&](const Vec<double>& o, const Vec<double>& d, double r) {
-        return s.holds({o, d}, Sphere<double>{{0, 0, 0}, r});
+        return s.contains({o, d}, Sphere<double>{{0, 0, 0}, r});
     };
     CHECK(holds({0, 0, 4}, {0, 0, -1}, 1));
     CHECK(holds({0.5, 0, 4}, {0, 0, -1}, 1));  // impact 0.5
@@ -121,7 +121,7 @@ TEST_CASE("a search accepts rays within all its ranges, derived ones included") 
     CHECK_FALSE(holds({0, 0, 4}, {0, 0, -1.5}, 1));
     CHECK_FALSE(holds({0, 0, 4}, {0, 0, -1}, 0.25));
     CHECK_FALSE(holds({0, 0, 4}, {0, 0, 0}, 1));
-    CHECK_FALSE(s.holds({{0, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 3}, 1}));
+    CHECK_FALSE(s.contains({{0, 0, 4}, {0, 0, -1}}, Sphere<double>{{0, 0, 3}, 1}));
 }
 
 TEST_CASE("a wrong search file is refused with its line") {

@@ -93,7 +93,7 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
     RayGroup group;
     if (settings.adjoining) group.primitives = cut_into_octants(box, middle);
     else group.primitives.emplace_back(box);
-    const bool begins_on_other_box = settings.begin == rays::Begin::on_other;
+    const bool begins_on_other_box = settings.begin == rays::RayStart::on_other;
     if (begins_on_other_box)
         group.primitives.emplace_back(
             draw_box(random, settings,
@@ -149,7 +149,7 @@ BoxDistribution BoxDistribution::read(toml::TableReader table) {
 
 std::vector<RayGroup> BoxDistribution::draw() const { return rays::draw_views(*this, box_rays); }
 
-std::span<const rays::RaySet> BoxDistribution::sets() {
+std::span<const rays::RaySet> BoxDistribution::ray_sets() {
     static constexpr rays::RaySet all[] = {
         {"easy", "boxes 4 sizes away, aimed at the inside",
          [] { return BoxDistribution{.aim = BoxDistribution::Aim::inside}.draw(); }},
@@ -166,7 +166,7 @@ std::span<const rays::RaySet> BoxDistribution::sets() {
 }
 
 rays::HitsAndMisses BoxDistribution::draw_timed_rays() {
-    const BoxDistribution hits = rays::of_one_view(BoxDistribution{.aim = BoxDistribution::Aim::inside});
+    const BoxDistribution hits = rays::with_single_view(BoxDistribution{.aim = BoxDistribution::Aim::inside});
     BoxDistribution misses = hits;
     misses.aim = BoxDistribution::Aim::edge;
     misses.gap = 0.25;

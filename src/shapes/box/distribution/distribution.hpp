@@ -21,7 +21,7 @@ struct BoxDistribution {
     enum class Aim { face, edge, corner, inside };
 
     Aim aim = Aim::edge;
-    rays::Begin begin = rays::Begin::away;
+    rays::RayStart begin = rays::RayStart::away;
     bool adjoining = false;
     double size = 1;                 ///< longest side, world units
     double thickness = 1;            ///< shortest side, in sizes; 0: flat
@@ -43,7 +43,7 @@ struct BoxDistribution {
     /// Draws the rays: shared inputs, each number rounded once to binary32.
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;
 
-    static std::span<const rays::RaySet> sets();
+    static std::span<const rays::RaySet> ray_sets();
     static rays::HitsAndMisses draw_timed_rays();
 };
 

@@ -4,7 +4,7 @@
 // result overflows, t is computed in a wider number type.
 #pragma once
 
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "shapes/box/forms/filtered_steps.hpp"
 
 namespace lostbits::intersect::box {

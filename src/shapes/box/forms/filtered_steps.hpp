@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/vec.hpp"
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "number/wide/dyadic_slabs.hpp"
 #include "shapes/box/forms/filtered_words.hpp"
 
@@ -281,7 +281,7 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
     if constexpr (number::wide::has_wider_word<T>) {
         if (number::wide::widens<T>()) {
             using B = number::wide::OneWord<T>;
-            watch(FilterArithmetic::wider);
+            watch(DecidingArithmetic::wider);
             SlabDecision<T> wide_decision = decide_in_wider<B, T>(ray, slabs, result.limit);
             wide_decision.is_proved = wide_decision.is_proved && fits(ray, slabs, result.limit);
             known_decision = {first_proved(known_decision, wide_decision), known_decision.in_range};
@@ -295,7 +295,7 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
     }
 
     // Then without rounding.
-    watch(FilterArithmetic::exact);
+    watch(DecidingArithmetic::exact);
     if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, slabs, result, known_decision.in_range);
     else return decide_exactly<T>(ray, slabs, result, known_decision);
 }

@@ -24,7 +24,7 @@ struct CapsuleDistribution : rays::AimedDistribution<CapsuleDistribution> {
             const Vec<double> axis_direction = random.sign() * (c.end - c.start),
                               end = random.below(2) == 0 ? c.start : c.end;
             if (aim == axis) return {end, axis_direction};
-            const Vec<double> rim_point = end + c.radius * rays::draw_across(random, axis_direction);
+            const Vec<double> rim_point = end + c.radius * rays::draw_perpendicular(random, axis_direction);
             return aim == seam ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, axis_direction);
         }
         const double u = random.unit();

@@ -24,7 +24,7 @@ struct ConeDistribution : rays::AimedDistribution<ConeDistribution> {
         if (aim != inside) {
             const Cone<double> c = primitive.cone();
             const Vec<double> axis_direction = random.sign() * (c.top - c.base),
-                              across = rays::draw_across(random, axis_direction);
+                              across = rays::draw_perpendicular(random, axis_direction);
             const Vec<double> below = c.base + c.base_radius * across, above = c.top + c.top_radius * across;
             const bool at_top = random.below(2) == 0;
             switch (aim) {

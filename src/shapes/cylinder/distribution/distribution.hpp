@@ -24,7 +24,7 @@ struct CylinderDistribution : rays::AimedDistribution<CylinderDistribution> {
             const Vec<double> axis_direction = random.sign() * (c.top - c.base),
                               end = random.below(2) == 0 ? c.base : c.top;
             if (aim == axis) return {end, axis_direction};
-            const Vec<double> rim_point = end + c.radius * rays::draw_across(random, axis_direction);
+            const Vec<double> rim_point = end + c.radius * rays::draw_perpendicular(random, axis_direction);
             return aim == rim ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, axis_direction);
         }
         const double x = random.unit(), y = random.between(0.15, 0.85), z = random.between(0.15, 0.85);

@@ -22,7 +22,7 @@ struct DiscDistribution : rays::AimedDistribution<DiscDistribution> {
             rays::AimedDistribution<DiscDistribution>::draw_target(random, primitive, aim);
         if (aim == inside) return plane_point;
         const Disc<double> d = primitive.disc();
-        const Vec<double> across = rays::draw_across(random, d.normal);
+        const Vec<double> across = rays::draw_perpendicular(random, d.normal);
         if (aim == plane) return {plane_point.point, across};
         return d.centre + (d.inner_radius > 0 && random.below(2) == 0 ? d.inner_radius : d.outer_radius) * across;
     }

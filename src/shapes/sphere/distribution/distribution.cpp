@@ -16,7 +16,7 @@ using rays::offset_of;
 using rays::Random;
 using rays::RayGroup;
 using rays::stored;
-using toml::to_12_bits;
+using toml::round_to_12_bits;
 
 namespace {
 
@@ -63,15 +63,15 @@ std::pair<double, double> draw_on_circle(Random& random) {
 }
 
 View draw_view(Random& random, const SphereDistribution& settings) {
-    if (settings.directions == SphereDistribution::Views::axis) {
+    if (settings.directions == SphereDistribution::ViewDirections::axis) {
         Vec<double> w(0, 0, 0);
         w[random.below(3)] = random.below(2) == 0 ? 1 : -1;
         return {w, 1};
     }
-    if (settings.directions == SphereDistribution::Views::tilted) {
+    if (settings.directions == SphereDistribution::ViewDirections::tilted) {
         const auto [y, z] = draw_on_circle(random);
         const Vec<double> w =
-            permute_and_reflect(random, {1, to_12_bits(settings.tilt * y), to_12_bits(settings.tilt * z)});
+            permute_and_reflect(random, {1, round_to_12_bits(settings.tilt * y), round_to_12_bits(settings.tilt * z)});
         return {w, length(w)};
     }
     static const std::vector<Quadruple> quadruples = pythagorean_quadruples();
@@ -82,7 +82,7 @@ View draw_view(Random& random, const SphereDistribution& settings) {
 /// Returns a factor near 1 for views along an axis or near one. Such views have few centres, and without the factor all
 /// of them would share the rounding of c.
 double view_jitter(Random& random, const SphereDistribution& settings) {
-    return settings.directions == SphereDistribution::Views::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
+    return settings.directions == SphereDistribution::ViewDirections::oblique ? 1 : 1 + 0x1p-5 * (random.unit() - 0.5);
 }
 
 /// Position of a line relative to the centre: its distance in radii, and a unit direction across w.
@@ -144,14 +144,14 @@ RayGroup view_rays(Random& random, const SphereDistribution& settings) {
     const double magnitude = direction_length(settings);
     const bool is_parallel = settings.projection == SphereDistribution::Projection::parallel;
     // Whole multiples of (a, b, c): |centre| = multiple·n exactly.
-    const double multiple = to_12_bits((is_parallel ? settings.distance * settings.radius : settings.radius) / view.n *
-                                       view_jitter(random, settings));
+    const double multiple = round_to_12_bits((is_parallel ? settings.distance * settings.radius : settings.radius) /
+                                             view.n * view_jitter(random, settings));
     const double radius = is_parallel ? settings.radius : multiple * view.n;
     const Vec<double> centre = (is_parallel ? multiple : -multiple) * view.w + shift;
 
     RayGroup group;
     group.primitives.push_back(Sphere<double>{stored(centre), stored(radius)});
-    if (settings.begin == rays::Begin::on_other) {
+    if (settings.begin == rays::RayStart::on_other) {
         add_rays_from_other(random, settings, group);
         return group;
     }
@@ -174,7 +174,7 @@ RayGroup view_rays(Random& random, const SphereDistribution& settings) {
 
 SphereDistribution SphereDistribution::read(toml::TableReader table) {
     using P = SphereDistribution::Projection;
-    using V = SphereDistribution::Views;
+    using V = SphereDistribution::ViewDirections;
     using W = SphereDistribution::Weighting;
     static constexpr std::pair<std::string_view, P> projections[] = {{"parallel", P::parallel}, {"point", P::point}};
     static constexpr std::pair<std::string_view, V> views[] = {
@@ -185,7 +185,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     SphereDistribution settings;
     settings.projection = table.optional_one_of<P>("projection", projections).value_or(settings.projection);
     table.read("begin", settings.begin, rays::begins);
-    if (settings.begin == rays::Begin::on_other && settings.projection == P::point)
+    if (settings.begin == rays::RayStart::on_other && settings.projection == P::point)
         table.fail_at("begin",
                       "is \"other\", but with projection = \"point\" the rays begin above the sphere itself; "
                       "leave one of the two out");
@@ -212,7 +212,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
 
 std::vector<RayGroup> SphereDistribution::draw() const { return rays::draw_views(*this, view_rays); }
 
-std::span<const rays::RaySet> SphereDistribution::sets() {
+std::span<const rays::RaySet> SphereDistribution::ray_sets() {
     static constexpr rays::RaySet all[] = {
         {"easy", "a sphere 4 radii away, hit within 0.9 radii of its middle",
          [] { return SphereDistribution{.distance = 4, .impact_to = 0.9}.draw(); }},
@@ -231,7 +231,8 @@ std::span<const rays::RaySet> SphereDistribution::sets() {
 }
 
 rays::HitsAndMisses SphereDistribution::draw_timed_rays() {
-    SphereDistribution hits = rays::of_one_view(SphereDistribution{.distance = 4, .impact_to = 0.9}), misses = hits;
+    SphereDistribution hits = rays::with_single_view(SphereDistribution{.distance = 4, .impact_to = 0.9}),
+                       misses = hits;
     misses.impact_from = 1.1;
     misses.impact_to = 1.5;
     return {hits.draw().front(), misses.draw().front()};

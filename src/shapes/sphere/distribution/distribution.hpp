@@ -23,16 +23,16 @@ struct SphereDistribution {
     /// oblique: w = (a, b, c)/n. tilted: w ∥ (1, tilt·y, tilt·z) with (y, z) anywhere on the unit circle, the axes in
     /// any order, and components of 12 bits. The distance or the radius is within 1/64 of the requested one. axis: as
     /// tilted with tilt = 0.
-    enum class Views { oblique, axis, tilted };
+    enum class ViewDirections { oblique, axis, tilted };
     enum class Weighting { disc, silhouette };
 
     Projection projection = Projection::parallel;
-    Views directions = Views::oblique;
+    ViewDirections directions = ViewDirections::oblique;
     Weighting weighting = Weighting::disc;
-    rays::Begin begin = rays::Begin::away;  ///< on_other: the other sphere is `distance` radii from the first
-    double radius = 1;                      ///< world units
-    double distance = 4;                    ///< parallel: eye to centre, in radii
-    double height = 1;                      ///< point: eye to surface, world units
+    rays::RayStart begin = rays::RayStart::away;  ///< on_other: the other sphere is `distance` radii from the first
+    double radius = 1;                            ///< world units
+    double distance = 4;                          ///< parallel: eye to centre, in radii
+    double height = 1;                            ///< point: eye to surface, world units
     double impact_from = 0;          ///< distance of the line from the centre, in radii. disc: uniform in area between
     double impact_to = 0.999;        ///< these; silhouette: uniform in log2(1 − impact)
     double silhouette_gap = 0;       ///< > 0: all lines pass at 1 − gap radii, in place of the impacts above
@@ -50,7 +50,7 @@ struct SphereDistribution {
     /// alone, so neighbouring steps of a sweep have the same rays in units of the sphere.
     [[nodiscard]] std::vector<rays::RayGroup> draw() const;
 
-    static std::span<const rays::RaySet> sets();
+    static std::span<const rays::RaySet> ray_sets();
     static rays::HitsAndMisses draw_timed_rays();
 };
 

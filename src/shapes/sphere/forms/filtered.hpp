@@ -4,7 +4,7 @@
 // form finds only the first intersection: near = far = t.
 #pragma once
 
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "shapes/sphere/forms/filtered_steps.hpp"
 
 namespace lostbits::intersect::sphere {
@@ -33,7 +33,7 @@ struct Filtered {
             if (!any_of(!cheap_decision.is_proved)) return to_hit(cheap_decision);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
-                    watch(FilterArithmetic::wider);
+                    watch(DecidingArithmetic::wider);
                     using W = number::wide::OneWord<T>;
                     const filter::Decision<T> wide_decision =
                         first_proved(cheap_decision, filtered::decide_in_wider<W, T>(ray, sphere));

@@ -27,7 +27,7 @@ struct TorusDistribution : rays::AimedDistribution<TorusDistribution> {
         if (aim == ring) return rays::AimedDistribution<TorusDistribution>::draw_target(random, primitive, aim);
         const Torus<double> t = primitive.torus();
         const Vec<double> axis_direction = (random.sign() / length(t.axis)) * t.axis,
-                          across = rays::draw_across(random, axis_direction);
+                          across = rays::draw_perpendicular(random, axis_direction);
         const double sine = t.minor_radius / t.major_radius;
         switch (aim) {
             case hole: return t.centre;

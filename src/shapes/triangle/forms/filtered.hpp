@@ -4,7 +4,7 @@
 // and neighbours agree about an edge that they share.
 #pragma once
 
-#include "intersect/filter_arithmetic.hpp"
+#include "intersect/deciding_arithmetic.hpp"
 #include "shapes/triangle/forms/filtered_steps.hpp"
 
 namespace lostbits::intersect::triangle {
@@ -35,7 +35,7 @@ struct FilteredTriangle {
             if (!any_of(!decision.is_proved)) return single_hit<T>(decision.hit, decision.t);
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
-                    watch(FilterArithmetic::wider);
+                    watch(DecidingArithmetic::wider);
                     decision = first_proved(decision, filtered::decide_in<number::wide::OneWord<T>>(ray, triangle));
                     if (!any_of(!decision.is_proved)) return single_hit<T>(decision.hit, decision.t);
                 }

@@ -123,7 +123,7 @@ std::size_t count_duplicates_at(const Mesh& mesh, std::span<const EdgeOfFace> ed
 }
 
 /// Fills `edges` and `borders` of the mesh.
-void count_edges(Mesh& mesh, StopToken stop) {
+void count_edges_and_borders(Mesh& mesh, StopToken stop) {
     mesh.edges = {};
     mesh.borders.assign(mesh.faces.size(), 0);
     std::vector<std::uint32_t> third_vertices;
@@ -170,7 +170,7 @@ void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& 
         mesh.faces[kept_count++] = mesh.faces[f];
     }
     mesh.faces.resize(kept_count);
-    count_edges(mesh, stop);
+    count_edges_and_borders(mesh, stop);
 }
 
 std::vector<SharedEdge> shared_edges(const Mesh& mesh) {

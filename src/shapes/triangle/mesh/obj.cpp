@@ -84,7 +84,7 @@ void read_face_statement(TextLines& lines, std::vector<std::uint32_t>& corners, 
 
 ParsedMesh read_obj(MeshBytes& bytes, const MeshSettings& settings) {
     ParsedMesh parsed_mesh;
-    TextLines lines(bytes, Statement::continued_by_backslash);
+    TextLines lines(bytes, StatementKind::continued_by_backslash);
     std::vector<std::uint32_t> corners;
     while (lines.next()) {
         const std::string_view keyword = lines.word();

@@ -19,14 +19,14 @@
 
 namespace lostbits::scene::triangle {
 
-/// Statement of a text file: one line, or several lines if each but the last ends with a backslash.
-enum class Statement : std::uint8_t { line, continued_by_backslash };
+/// StatementKind of a text file: one line, or several lines if each but the last ends with a backslash.
+enum class StatementKind : std::uint8_t { line, continued_by_backslash };
 
 class TextLines {
 public:
     static constexpr std::size_t max_line_bytes = std::size_t{1} << 20;
 
-    explicit TextLines(MeshBytes& bytes, Statement statement = Statement::line)
+    explicit TextLines(MeshBytes& bytes, StatementKind statement = StatementKind::line)
         : bytes_(bytes), statement_(statement) {}
 
     /// Goes to the next line, on which a new statement begins. Returns false after the last line. A byte order mark is
@@ -59,7 +59,7 @@ public:
         T x{};
         const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
         const bool is_whole_word = end == digits.data() + digits.size();
-        if (error == std::errc::result_out_of_range && is_whole_word) return extreme_number<T>(text, number_name);
+        if (error == std::errc::result_out_of_range && is_whole_word) return out_of_range_number<T>(text, number_name);
         if (error != std::errc() || !is_whole_word || text.starts_with("+-"))
             fail(std::string(number_name) + " is " + text::quoted_excerpt(text) + ", which is not " +
                  (std::is_unsigned_v<T>   ? "a whole number of at least 0"
@@ -101,7 +101,7 @@ private:
         require_without_byte('\0', "has a zero byte; is it a text file?");
         require_without_byte('\r', "has a carriage return inside the line; end lines with line feeds");
         const std::size_t last_character = line_.find_last_not_of(" \t");
-        continues_ = statement_ == Statement::continued_by_backslash && last_character < line_.size() &&
+        continues_ = statement_ == StatementKind::continued_by_backslash && last_character < line_.size() &&
                      line_[last_character] == '\\';
         if (continues_) line_ = line_.substr(0, last_character);
         return true;
@@ -109,7 +109,7 @@ private:
     /// Rounds the exact number. A number that is too small for T rounds like any other; a number that is too large is
     /// an error.
     template <class T>
-    T extreme_number(std::string_view text, std::string_view number_name) const {
+    T out_of_range_number(std::string_view text, std::string_view number_name) const {
         if constexpr (std::is_floating_point_v<T>) {
             const auto parsed = toml::parse_number(text);
             if (const Real* const exact = std::get_if<Real>(&parsed))
@@ -137,7 +137,7 @@ private:
     }
 
     MeshBytes& bytes_;
-    Statement statement_;
+    StatementKind statement_;
     bool continues_ = false;  ///< the statement continues on the next line
     std::size_t line_number_ = 0, statement_line_ = 0,
                 indent_ = 0;  ///< current line, statement's first line, its indent

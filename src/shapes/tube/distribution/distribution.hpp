@@ -23,7 +23,7 @@ struct TubeDistribution : rays::AimedDistribution<TubeDistribution> {
         const Vec<double> axis_direction = random.sign() * (t.top - t.bottom),
                           end = random.below(2) == 0 ? t.bottom : t.top;
         if (aim == axis) return {end, axis_direction};
-        const Vec<double> rim_point = end + t.radius * rays::draw_across(random, axis_direction);
+        const Vec<double> rim_point = end + t.radius * rays::draw_perpendicular(random, axis_direction);
         return aim == rim ? rays::AimedPlace(rim_point) : rays::AimedPlace(rim_point, axis_direction);
     }
 };
