@@ -98,7 +98,7 @@ void add_external_options(const shell::Command& program, selection::ExternalOpti
 constexpr const char* help_footer =
     "Exit status:\n"
     "  0    done, and every selected claim holds\n"
-    "  1    done, and the answer is no: a claim fails, a difference is found, a promise is broken\n"
+    "  1    done, and the answer is no: a claim fails, a difference is found, a contract is broken\n"
     "  2    bad input: the command line, or a file\n"
     "  3    the machine: a file that cannot be written, no memory, a processor that lacks what --isa names;\n"
     "       or a library, a pipe or a shader that crashes, ends the program or does not answer\n"

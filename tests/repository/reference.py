@@ -106,7 +106,7 @@ def page(program):
                          ("Forms", "Members of primitives", "Formats", "Metrics", "Transform methods", "Ray generators",
                           "Bounding boxes", "Offset strategies", "Consistency checks", "Columns of tables", "Commands"))
              + ".", "", "## Forms", "",
-             "[What a form promises](your-own-intersector.md#what-a-form-promises) explains the columns from `direction` to",
+             "[The contract of a form](your-own-intersector.md#the-contract-of-a-form) explains the columns from `direction` to",
              "`next_crossing`.", *forms(program)]
     lines += ["", "## Members of primitives", "",
               "A form reads these members. `T` is its number type; `Vec<T>` has `x`, `y` and `z`.", "", *members()]
