@@ -101,7 +101,7 @@ def page(program):
     lines = ["# Reference", "",
              "This page is generated: `python3 tests/repository/reference.py build/lostbits` writes it again, and a test checks",
              "that it is current. Keys of scenes, sweeps and claims are in [data/README.md](../data/README.md); options of every",
-             "command and exit codes are in [install.md](install.md#options-of-every-command).", "", "Contents: "
+             "command and the exit status are in [install.md](install.md#options-of-every-command).", "", "Contents: "
              + ", ".join(f"[{name}](#{name.lower().replace(' ', '-')})" for name in
                          ("Forms", "Members of primitives", "Formats", "Metrics", "Transform methods", "Ray generators",
                           "Bounding boxes", "Offset strategies", "Consistency checks", "Columns of tables", "Commands"))
