@@ -64,7 +64,8 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
     const auto broken = count(Observation::Verdict::broken), warned = count(Observation::Verdict::warned);
     const Contract& contract = form.contract;
     fmt::print("{} in binary{}, {}: {}{}\n", contract.name, contract.bits, with_article(contract.shape),
-               broken == 0 ? "keeps its contract" : "fails " + text::count_with_noun(static_cast<std::size_t>(broken), "probe"),
+               broken == 0 ? "keeps its contract"
+                           : "fails " + text::count_with_noun(static_cast<std::size_t>(broken), "probe"),
                warned == 0 ? "" : "; " + text::count_with_noun(static_cast<std::size_t>(warned), "warning"));
     if (!contract.title.empty() && !quiet) fmt::print("  {}\n", contract.title);
     if (!contract.source.empty() && !quiet) fmt::print("  from {}\n", contract.source);

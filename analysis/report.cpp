@@ -85,8 +85,8 @@ void add_subject(Subjects& subjects, const std::string& name, const std::filesys
         subjects.sweeps.push_back(scene::sweep::find_sweep(name, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(name + ": is neither a file, nor a scene or sweep in " + data.string() + "; " +
-                         text::did_you_mean(name, names));
+        throw InputError("no scene or sweep \"" + name + "\" in " + data.string() + "; " +
+                         text::did_you_mean(name, names) + " (a path to a .toml file works too)");
     }
 }
 

@@ -133,7 +133,7 @@ const BadFile bad_files[] = {
      {.columns = "ox:f32,oy,oz,dx,dy,dz", .primitive = Shape::sphere}},
     {"a.npy", "no array at all", "a.npy: is not an array", "numpy.save"},
     {"a.npy", "\x93NUMPY\x01", "a.npy: ends inside its header", "cut short"},
-    {"a.npy", as_npy("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 6), }", ""), "a.npy: is of type '<c8'",
+    {"a.npy", as_npy("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 6), }", ""), "a.npy: is of type \"<c8\"",
      "astype"},
     {"a.npy", as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", ""),
      "a.npy: has 6 columns without names", "--columns"},
