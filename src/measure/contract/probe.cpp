@@ -78,7 +78,7 @@ struct LengthMistake {
     std::string mistake, remedy;
 };
 
-/// Finds the mistake about a length that explains all answers of a form; empty if there is none.
+/// Finds the mistake about a length that explains all answers of a form; empty if no mistake explains them.
 std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     const auto length = length_key(trial.shape);
     if (!length) return std::nullopt;

@@ -91,7 +91,7 @@ inline std::vector<dump::Chunk> read_all(dump::Dump& dump, std::size_t most = 10
     return chunks;
 }
 
-/// Message of the error from opening or reading a file; empty if there is none.
+/// Message of the error from opening or reading a file; empty if no error is thrown.
 inline std::string fault_of(const std::string& name, const std::string& bytes, const dump::DumpOptions& options = {}) {
     const DumpFile file(name, bytes);
     try {
