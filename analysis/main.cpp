@@ -103,7 +103,7 @@ constexpr const char* help_footer =
     "  3    the machine: a file that cannot be written, no memory, a processor that lacks what --isa names;\n"
     "       or a library, a pipe or a shader that crashes, ends the program or does not answer\n"
     "  4    nothing was selected\n"
-    "  70   the truth could not be proved, or a fault of lostbits\n"
+    "  70   the truth of a ray could not be proved, or lostbits has a fault\n"
     "  130  interrupted; finished files stay\n"
     "Environment:\n"
     "  CI                       set to anything: libraries run in processes of their own, see --isolate\n"
