@@ -117,7 +117,7 @@ const BadFile bad_files[] = {
     {"a.csv", "ox,oy,oz,dx,dy,dq\n", "a.csv:1:16: a ray has no dz", "is \"dq\" meant to be \"dz\"?"},
     {"a.csv", "dq\n", "a.csv:1:1: a ray has no ox, oy, oz, dx, dy, dz", "the columns are \"dq\""},
     {"a.csv", "ox," + std::string(3 << 20, 'x'), "a.csv:1:1:", "million"},
-    {"a.dat", "", "a.dat: not a known kind of file; use .csv or .npy", "--columns"},
+    {"a.dat", "", "a.dat: is not a known kind of file; use .csv or .npy", "--columns"},
     {"a.bin",
      "12345678901",
      "a.bin: record 0: has 11 of 24 bytes",
