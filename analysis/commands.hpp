@@ -178,8 +178,8 @@ void print_comparisons(const std::vector<measure::evaluate::TestedForm>& tested_
                        const std::vector<const measure::metric::Metric*>& metrics,
                        const std::vector<measure::evaluate::FormSummary>& summaries);
 
-/// A quantile of the metric `lost_bits` for a table, `13.57`; `-` if there is none, or if the correct hits are too few
-/// to represent the form.
+/// A quantile of the metric `lost_bits` for a table, `13.57`; `-` if the form has no correct hit, or if the correct
+/// hits are too few to represent the form.
 [[nodiscard]] std::string lost_bits_cell(const measure::evaluate::FormSummary& summary, std::size_t lost_bits,
                                          double quantile);
 

@@ -16,7 +16,7 @@ struct CommandExamples {
 /// library.
 const CommandExamples all_examples[] = {
     {"check",
-     {{"lostbits check --filter 'float.*'", "Measures the claims whose id begins with float."},
+     {{"lostbits check --filter 'float.*'", "Measures the claims whose id begins with `float`"},
       {"lostbits check data/claims/arithmetic.toml --measure", "Shows what each claim of a file measures now"}}},
     {"choose",
      {{"lostbits choose near-benign --bits 16 -i 'sphere.h*' --size 32x32 --quick",

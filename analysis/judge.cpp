@@ -400,7 +400,7 @@ void add_judge(const shell::Command& program, const CommonOptions& common) {
 
     // Answers to judge, and how.
     command.add_list("-i,--form", options->forms, "Forms to run on the same rays, by name or glob");
-    command.add_list("-f", options->formats, "Formats of these forms (default: the format of the file)");
+    command.add_list("-f,--form-format", options->formats, "Formats of these forms (default: the format of the file)");
     command.add("--against", options->against, "Also compare the answers with those of this form");
     command.add_list("--metric", options->metrics,
                      "Metrics to measure, by name or glob (default: lost_bits); see `lostbits list metrics`");

@@ -65,8 +65,8 @@ std::string inside_answer(intersect::Inside inside, Shape shape) {
 Row make_form_row(const intersect::table::Intersector& form) {
     const intersect::Info& info = *form.info;
     const char* const roots = info.roots == intersect::Roots::both         ? "both"
-                              : info.roots == intersect::Roots::near_only  ? "near only"
-                              : info.roots == intersect::Roots::first_only ? "first only"
+                              : info.roots == intersect::Roots::near_only  ? "near"
+                              : info.roots == intersect::Roots::first_only ? "first"
                                                                            : "none";
     const char* const at_origin = info.at_origin == intersect::AtOrigin::hit    ? "hit"
                                   : info.at_origin == intersect::AtOrigin::miss ? "miss"

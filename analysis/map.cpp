@@ -57,7 +57,7 @@ std::string canonical_command(const Scene& scene, const MapOptions& options) {
         options.bits_needed > 0 ? fmt::format(" --bits {}", options.bits_needed) : "", scene_options_text(options));
 }
 
-/// The forms that exist in every width, as --bits requires. Throws NothingSelected if there are none.
+/// The forms that exist in every width, as --bits requires. Throws NothingSelected if no form exists in all of them.
 std::vector<const intersect::table::Intersector*> forms_of_any_width(const std::vector<TestedForm>& tested_forms) {
     std::vector<const intersect::table::Intersector*> forms;
     for (const TestedForm& tested_form : tested_forms)

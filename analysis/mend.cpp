@@ -318,7 +318,7 @@ void add_mend(const shell::Command& program, const CommonOptions& common) {
     // The requirement, and the changes that are allowed.
     command
         .add("--bits", options->bits,
-             "Correct bits of t that the form is to keep; --at says for which share of the hits",
+             "Correct bits of t that the form must keep, for the share of the hits that --at gives",
              shell::number_between(0, 53))
         .required();
     command.add("--wrong", options->wrong, "Share of the rays that may be decided wrongly (default: 0)",

@@ -55,7 +55,7 @@ const char* verdict_text(Observation::Verdict verdict) {
     return "note";
 }
 
-/// Tries the promises of a form and prints the findings. Returns true if every promise is kept.
+/// Tests the contract of a form and prints the findings. Returns true if the form keeps it.
 bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& first, bool quiet) {
     std::vector<Observation> findings = measure::contract::try_contract(form, first ? &*first : nullptr);
     findings.push_back(measure::contract::observe_state(form));
@@ -64,7 +64,8 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
     const auto broken = count(Observation::Verdict::broken), warned = count(Observation::Verdict::warned);
     const Contract& contract = form.contract;
     fmt::print("{} in binary{}, {}: {}{}\n", contract.name, contract.bits, with_article(contract.shape),
-               broken == 0 ? "keeps its promises" : fmt::format("{} of its promises broken", broken),
+               broken == 0 ? "keeps its contract"
+                           : "fails " + text::count_with_noun(static_cast<std::size_t>(broken), "probe"),
                warned == 0 ? "" : "; " + text::count_with_noun(static_cast<std::size_t>(warned), "warning"));
     if (!contract.title.empty() && !quiet) fmt::print("  {}\n", contract.title);
     if (!contract.source.empty() && !quiet) fmt::print("  from {}\n", contract.source);
@@ -76,7 +77,7 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
     return broken == 0;
 }
 
-/// Checks every form of a library or of a command. Returns answer_is_no if a form breaks one of its promises.
+/// Checks every form of a library or of a command. Returns answer_is_no if a form breaks its contract.
 ExitStatus try_forms(const std::string& library, const CommonOptions& common) {
     selection::ExternalOptions options = common.external;
     if (!library.empty()) options.plugins.push_back(library);
@@ -108,12 +109,12 @@ int redirect_standard_output(const std::string& command) {
 }
 
 void add_plugin(const shell::Command& program, const CommonOptions& common) {
-    auto command = program.add_command("plugin", "Test whether your function keeps its promises");
+    auto command = program.add_command("plugin", "Test whether your function keeps its contract");
     const auto library = std::make_shared<std::string>();
     auto check_command =
         command.add_command("check",
                             "Test whether the forms of a library, of --pipe or of --function keep their "
-                            "promises");
+                            "contracts");
     check_command.add("LIBRARY", *library, "The library (not needed with --pipe or --function)");
     check_command.set_action([library, &common] { return try_forms(*library, common); });
     auto serve_command = command.add_command(

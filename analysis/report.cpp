@@ -85,8 +85,8 @@ void add_subject(Subjects& subjects, const std::string& name, const std::filesys
         subjects.sweeps.push_back(scene::sweep::find_sweep(name, data));
     else {
         names.insert(names.end(), sweeps.begin(), sweeps.end());
-        throw InputError(name + ": is neither a file, nor a scene or sweep in " + data.string() + "; " +
-                         text::did_you_mean(name, names));
+        throw InputError("no scene or sweep \"" + name + "\" in " + data.string() + "; " +
+                         text::did_you_mean(name, names) + " (a path to a .toml file works too)");
     }
 }
 
@@ -451,9 +451,9 @@ void add_report(const shell::Command& program, const CommonOptions& common) {
                      "Forms, by name or glob (default: those of data/report.toml, those that claims name, and those "
                      "of --plugin, --pipe and --shader; for a SUBJECT that none of them can test, all that can)");
     selection::add_formats(command, options->formats, "f32 f64");
-    command.add_list("--metric", options->metrics, "Metrics in addition to the default ones; globs");
+    command.add_list("--metric", options->metrics, "Metrics in addition to the default ones, by name or glob");
     command.add("--size", options->size, "Picture size, WxH in pixels (default: each scene's)");
-    command.add_list("--claims", options->claims, "Claims by id; globs (default: all, or those about the SUBJECTs)");
+    command.add_list("--claims", options->claims, "Claims, by id or glob (default: all, or those about the SUBJECTs)");
 
     // Sections of the page.
     command.add("--seeds", options->seeds,

@@ -89,7 +89,7 @@ public:
     ExhaustiveRun& operator=(const ExhaustiveRun&) = delete;
 
     [[nodiscard]] bool was_stopped() const { return state_file_.exists(); }
-    /// Reads the state of a stopped run. Throws InputError if there is none, or if it belongs to another run.
+    /// Reads the state of a stopped run. Throws InputError if no run was stopped here, or if it belongs to another run.
     void read_saved_state();
     /// Tries the floats that are left and writes the results, or records them in a shard. Keeps its state if it is
     /// stopped, or if others follow. Returns the number of truths that were not proved.

@@ -22,7 +22,7 @@ template <class S>
 constexpr double bytes_a_ray = 9 * sizeof(S) + 1;
 
 #if defined(LOSTBITS_BY_HAND)
-/// The hand-written loop of a form, or null if there is none.
+/// The hand-written loop of a form, or null if the form has no such loop.
 template <class S>
 by_hand::OnePrimitive<S> loop_of(const by_hand::Loops<S>& loops, std::string_view form) {
     if (form == "sphere.schoolbook") return loops.schoolbook;

@@ -1,5 +1,5 @@
 // Boost.Math 1.74, tools/roots.hpp:1003, quadratic_roots: "the real roots of a quadratic equation ax^2 + bx + c = 0".
-// It returns NaN twice if there are none. The coefficients of the sphere are the schoolbook's. The discriminant
+// It returns NaN twice if no root is real. The coefficients of the sphere are the schoolbook's. The discriminant
 // (roots.hpp:873) is Kahan's with fma, and the second root is c / q.
 #include <cmath>
 

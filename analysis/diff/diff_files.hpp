@@ -38,7 +38,7 @@ struct FilePair {
     std::filesystem::path file;  ///< relative to the folders
     bool is_in_a = false, is_in_b = false;
 };
-/// All files below either folder, in order. Throws NothingSelected if there are none.
+/// All files below either folder, in order. Throws NothingSelected if both folders are empty.
 [[nodiscard]] std::vector<FilePair> list_file_pairs(const std::filesystem::path& a, const std::filesystem::path& b);
 /// Compares one pair of files.
 [[nodiscard]] FileResult compare_pair(const FilePair& pair, const std::filesystem::path& a,
@@ -90,7 +90,7 @@ void print_verdict(const output::diff::RowVerdict& verdict, const std::string& s
 void print(const MapDifference& difference, const MapSides& sides, bool verbose);
 
 /// Draws the difference in `out` for each form and format of each map that has pixels on both sides. Returns the paths.
-/// Throws InputError if there is none.
+/// Throws InputError if no map has pixels on both sides.
 std::vector<std::filesystem::path> draw_map_differences(const MapSides& sides, const std::filesystem::path& out,
                                                         intersect::process::StopToken stop);
 

@@ -139,7 +139,8 @@ struct lostbits_form {
     std::array<std::shared_ptr<const lostbits::intersect::table::WrittenFormula>, 2> formulas = {};  ///< f32, f64
     std::optional<lostbits::intersect::table::WrittenForm> written = {};
     lostbits::intersect::table::Intersector form{};  ///< the function in its formats, the written operations elsewhere
-    lostbits::intersect::table::Intersector written_form{};  ///< only the written operations; `form` if there are none
+    lostbits::intersect::table::Intersector
+        written_form{};  ///< only the written operations; `form` if no operations are written
 };
 
 namespace lostbits::analysis::library {

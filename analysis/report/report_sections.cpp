@@ -102,7 +102,7 @@ std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSwee
 }
 
 /// Names the charts that are left out because they would show only zeros: `In f64, no ray is a false hit.` Empty if
-/// there are none.
+/// every chart has other values.
 std::string absent_charts(const output::sweep::MeasuredSweep& sweep, const Format& format) {
     std::string names;
     for (const auto outcome : output::sweep::wrong_outcomes(sweep, format))

@@ -42,8 +42,8 @@ struct ExternalForms {
 /// (which `check` is) or if CI is set in the environment.
 void decide_isolation(ExternalOptions& options, bool is_gate);
 
-/// The libraries that run in this process, as one text with commas between them; empty if there are none. Throws
-/// InputError.
+/// The libraries that run in this process, as one text with commas between them; empty if every library has a process
+/// of its own. Throws InputError.
 std::string libraries_in_process(const ExternalOptions& options);
 
 /// Prints notes on stderr if libraries are isolated by default: which ones run in this process all the same and, if

@@ -39,7 +39,7 @@ void add_changes(const shell::Command& command, SceneOptions& scenes, const std:
 /// that change no result are left out: the folder, the number of threads, what is printed.
 struct TypedCommand {
     std::string command_name;  ///< `lostbits map`
-    std::string subjects;      ///< ` two_step`, with the blank in front; empty if there are none
+    std::string subjects;      ///< ` two_step`, with the blank in front; empty if the command line names no subject
     std::string options;       ///< ` -f f32 --size 64x64`
 
     [[nodiscard]] std::string text() const { return command_name + subjects + options; }

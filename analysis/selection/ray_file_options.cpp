@@ -30,7 +30,7 @@ std::optional<MissRule> parse_miss_rule(const std::string& text) {
     const auto parsed = scene::ray_file::NumberParser(*find_format("f64")).read(text);
     if (parsed.kind != scene::ray_file::NumberParser::Kind::number || !std::isfinite(parsed.value))
         throw InputError(
-            fmt::format("--miss {}: must be a finite number, `negative` or `never` (NaN, infinities and empty cells "
+            fmt::format("--miss {}: is not a finite number, `negative` or `never` (NaN, infinities and empty cells "
                         "are misses in any case)",
                         text));
     return MissRule{MissRule::Kind::number, parsed.value};

@@ -62,7 +62,7 @@ struct JudgeOptions : RayFileOptions {
 std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options,
                                                      const std::filesystem::path& data_folder);
 
-/// The shape of the first primitive that is given for all rays; nothing if there is none.
+/// The shape of the first primitive that is given for all rays; nothing if no such primitive is given.
 std::optional<Shape> shared_shape(const RayFileOptions& options, const std::optional<scene::file::Scene>& scene);
 
 /// The primitives that are given for all rays, with numbers in the format. The primitives of a scene have the numbers

@@ -1,5 +1,5 @@
 // Finds the ray for `lostbits explain`: a ray of a scene, of a file of cases, or of primitives given as options. Also
-// finds the worst ray of a form: a wrong decision or, if there is none, the largest error.
+// finds the worst ray of a form: a wrong decision or, if it makes no wrong decision, the largest error.
 #pragma once
 
 #include <filesystem>

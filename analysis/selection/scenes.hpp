@@ -52,7 +52,7 @@ std::filesystem::path form_flags_folder();
 scene::file::Scene load_one_scene(const SceneOptions& options, const std::filesystem::path& data);
 
 /// The tested forms that can be timed on the scene: forms for its primitives, or sets of such forms
-/// (`tested_forms_handling`), but no forms that march. Throws NothingSelected if there are none.
+/// (`tested_forms_handling`), but no forms that march. Throws NothingSelected if no tested form is left.
 std::vector<measure::evaluate::TestedForm> select_timed_forms(const scene::file::Scene& scene,
                                                               const SelectedForms& chosen);
 /// The same for any subject with primitives; `id` is its name in messages.

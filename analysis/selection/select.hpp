@@ -105,7 +105,8 @@ std::vector<const measure::metric::Metric*> with_default_metrics(
 /// The formats in which a form exists, in words: `all`, `f32`, `f64`, `f32 and f64`.
 std::string formats_text(const intersect::table::Intersector& form);
 
-/// Every selected form in every selected format in which it exists. Throws NothingSelected if there are none.
+/// Every selected form in every selected format in which it exists. Throws NothingSelected if no form exists in a
+/// selected format.
 std::vector<measure::evaluate::TestedForm> pair_forms_with_formats(
     const std::vector<const intersect::table::Intersector*>& forms, const std::vector<Format>& formats);
 

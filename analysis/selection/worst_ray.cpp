@@ -28,7 +28,7 @@ std::vector<const measure::metric::Metric*> lost_bits() { return {measure::metri
 /// with the most frequent kind of them in all summaries; else the ray with the largest error.
 struct OverallWorst {
     std::size_t summary_index = 0;
-    const WorstRay* ray = nullptr;  ///< null if there is none
+    const WorstRay* ray = nullptr;  ///< null if every ray is a correct miss
     std::uint64_t rays = 0;
     std::string reason = "the largest error";
     bool has_hit = false;  ///< at least one decision is a correct hit

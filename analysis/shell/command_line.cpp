@@ -27,7 +27,7 @@ std::string not_one_of_text(const std::string& option, const std::string& value,
     // The name of a positional argument, such as WHAT, means nothing to a user.
     const std::string subject = option.starts_with('-') ? option + " " + value : "\"" + value + "\"";
     return fmt::format("{} is not one of {}{}", subject, fmt::join(known, ", "),
-                       suggestion ? "; did you mean " + *suggestion + "?" : "");
+                       suggestion ? "; did you mean \"" + *suggestion + "\"?" : "");
 }
 
 template <class T>

@@ -23,11 +23,11 @@ struct ConsistencyAdapter {
     using Summaries = std::vector<Study::Summary>;
     static constexpr const char* name = "consistency";
     static constexpr const char* no_form_message =
-        "consistency needs forms for spheres or boxes, and none is selected; try -i 'sphere.*'";
+        "consistency needs forms that test a primitive, and none is selected; try -i 'sphere.*'";
     static constexpr const char* title =
         "Check whether a form gives the same answer to a question asked in two ways: closest and any hit, one ray and "
         "packs, a segment from either end";
-    static constexpr const char* kinds = ", with spheres or boxes";
+    static constexpr const char* kinds = ", with primitives of any kind";
     static constexpr const char* form_help = "Forms, by name or glob (default: all that fit)";
     static constexpr const char* example = "sphere[0].radius=10";
 

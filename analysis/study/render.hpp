@@ -33,7 +33,7 @@ struct RenderAdapter {
 
     static std::vector<StudyOption> options() {
         return {{"stage",
-                 "visible, diffuse, shadows, phong; may be repeated (default: the last that the scene has)",
+                 "Stages to draw; may be repeated (default: the last that the scene has)",
                  {},
                  {scene::file::stage_names.begin(), scene::file::stage_names.end()}}};
     }

@@ -55,7 +55,7 @@ class Sources:
                 raise Wrong(f"the claim {name} {row['state']}, and rests on {row['evidence'] or 'a measurement'}")
             return [row[entry.get("column", "measured")]]
         if name not in self.expected:
-            raise Wrong(f"there is no claim {name}")
+            raise Wrong(f"{name} is not the id of a claim")
         return self.expected[name]["expect"]["in"]
 
     def count(self, entry):
@@ -150,7 +150,7 @@ def document(numbers, sources):
     texts = {name: text_of(name, entry, sources) for name, entry in entries.items()}
     for name, entry in entries.items():
         if entry.get("command", next(iter(commands))) not in commands:
-            raise Wrong(f"{name}: there is no command {entry['command']}")
+            raise Wrong(f"{name}: {entry['command']} is not one of the commands of numbers.toml")
     macros = "".join(f"\\newcommand{{\\N{name}}}{{{text}}}\n" for name, text in texts.items())
     return ("% Written by docs/paper/macros.py from numbers.toml. Do not edit.\n" + macros
             + "\\newcommand{\\NumberSources}{%\n" + listing(texts, entries, commands) + "}\n")

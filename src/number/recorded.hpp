@@ -25,7 +25,7 @@ public:
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;
 
-    /// The recorder of this thread. Throws Error(ExitStatus::internal) if there is none.
+    /// The recorder of this thread. Throws Error(ExitStatus::internal) if the thread has no recorder.
     static Recorder& current() {
         if (current_ == nullptr) [[unlikely]]
             fail_without_recorder();

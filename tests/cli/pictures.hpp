@@ -42,7 +42,7 @@ const std::vector<Sample>& samples(const output::image::ExrImage& exr, const std
     return std::get<std::vector<Sample>>(channel->samples);
 }
 
-/// Empty where there is none.
+/// The text of an attribute; empty if the image does not have it.
 inline std::string attribute(const output::image::ExrImage& exr, const std::string& name) {
     for (const auto& [key, value] : exr.attributes)
         if (key == name) return value;

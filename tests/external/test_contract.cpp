@@ -88,7 +88,7 @@ std::map<std::string, std::string> broken_of(const ForeignForm& form, const Fore
 }  // namespace
 
 TEST_CASE("contract: every form of the catalogue keeps its contract under another name", "[external]") {
-    // The promises that a form breaks by its own formula, as in its source: the checks use the properties of the
+    // The properties that a form lacks by its own formula, as in its source: the checks use the properties of the
     // catalogue.
     const std::set<std::string> epsilon{"scale"}, no_touch{"touching"}, at_origin{"at-origin"}, within{"within"};
     const std::map<std::string, std::set<std::string>> known{

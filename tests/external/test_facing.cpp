@@ -32,7 +32,7 @@ TEST_CASE("facing: plugin check names the missing property, and accepts a form w
     const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
     for (const std::string form : {"front", "back", "both", "ahead", "disc", "plane", "open_plane"}) {
         INFO(finding("word." + form));
-        CHECK(has(finding("word." + form), ": keeps its promises"));
+        CHECK(has(finding("word." + form), ": keeps its contract"));
     }
     for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
              {"front", "say LB_FACING_FRONT (facing_front, facing=front)"},

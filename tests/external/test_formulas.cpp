@@ -147,11 +147,11 @@ TEST_CASE("formulas: plugin check tests t, near and far of a hit", "[external]")
     };
     for (const std::string form : {"unified", "double_inside", "inclusive"}) {
         INFO(finding(form));
-        CHECK(has(finding(form), "keeps its promises"));
+        CHECK(has(finding(form), "keeps its contract"));
         CHECK(has(finding(form), "the t beside near and far is the root that counts, in every probe"));
     }
     INFO(finding("size_of_near"));
-    CHECK(has(finding("size_of_near"), "2 of its promises broken"));
+    CHECK(has(finding("size_of_near"), "fails 2 probes"));
     CHECK(has(finding("size_of_near"),
               "BROKEN inside       the t beside near and far: a ray from inside is answered with the near root without "
               "its sign"));

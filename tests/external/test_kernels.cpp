@@ -55,7 +55,7 @@ TEST_CASE("kernels: OpenCL has the bits of C++ without contraction, and those of
 TEST_CASE("kernels: OpenCL kernels keep their contracts", "[kernels]") {
     const Scratch folder;
     const Outcome o = must("plugin check" + patient + opencl("opencl.sphere", ""), folder.path(), kept_in(folder));
-    CHECK(has(o.out, "keeps its promises"));
+    CHECK(has(o.out, "keeps its contract"));
 }
 
 TEST_CASE("kernels: a kernel that cannot run is refused with a reason, and nothing is written", "[kernels]") {

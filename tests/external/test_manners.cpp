@@ -68,7 +68,7 @@ Ran run_with(const std::string& manner, const std::string& words, const std::str
     INFO(manner << " | " << before << words << " | " << ran.outcome.code << " | " << ran.outcome.err);
     wait_for_all_ends(mark);
     for (const std::string& file : folder.files()) CHECK_FALSE(has(file, ".partial-"));
-    ran.has_results = tries ? has(ran.outcome.out, "ill.right in binary32, a sphere: keeps its promises")
+    ran.has_results = tries ? has(ran.outcome.out, "ill.right in binary32, a sphere: keeps its contract")
                             : fs::exists(folder.path() / (checks ? "out.xml" : "out/near-benign/summary.csv")) &&
                                   !fs::exists(folder.path() / "out/near-benign/UNFINISHED.txt");
     return ran;

@@ -92,7 +92,7 @@ TEST_CASE("patches: a file that is not source has the formula and one sentence",
           std::string::npos);
     const Outcome refused = run(words + " --emit own.patch", made.path());
     CHECK(refused.code == 2);
-    CHECK(refused.err.find("there is no patch of own.ll") != std::string::npos);
+    CHECK(refused.err.find("cannot write a patch of own.ll") != std::string::npos);
 }
 
 TEST_CASE("patches: an expression begins and ends where its operator says", "[external]") {

@@ -117,8 +117,8 @@ serve(mine, name="py.NAME", roots="near", takes="segment", answers="NAME")
         const std::string pipe = " --pipe 'node " + name + "mine.mjs' --pipe 'python3 " + name + "mine.py'";
         const Outcome o = must("plugin check" + pipe, folder.path());
         INFO(o.out);
-        CHECK(has(o.out, "js." + name + " in binary64, a sphere: keeps its promises"));
-        CHECK(has(o.out, "py." + name + " in binary64, a sphere: keeps its promises"));
+        CHECK(has(o.out, "js." + name + " in binary64, a sphere: keeps its contract"));
+        CHECK(has(o.out, "py." + name + " in binary64, a sphere: keeps its contract"));
     }
     folder.write("plane.mjs", "import { serve } from \"" + pipes +
                                   "lostbits_pipe.mjs\";\nserve({ name: 'a.x', shape: 'plane', takes: 'segment' }, "

@@ -276,18 +276,18 @@ TEST_CASE("plugin: a reader that closes the pipe early is not blamed on the libr
     }
 }
 
-TEST_CASE("plugin check: it names the broken promise and says what to write", "[external]") {
+TEST_CASE("plugin check: it names the broken property and says what to write", "[external]") {
     const Scratch folder;
     const Outcome o = must("plugin check " + library("schoolbook"), folder.path());
-    CHECK(has(o.out, "example.schoolbook in binary32, a sphere: keeps its promises"));
+    CHECK(has(o.out, "example.schoolbook in binary32, a sphere: keeps its contract"));
     // The test above covers the forms that crash: forms are tried in the order of the library.
     const Outcome odd = run("plugin check " + library("odd_plugin") + " --time-limit 2", folder.path());
     CHECK(odd.code == 3);
     const auto finding = [&odd](const std::string& form) { return finding_of(odd, form); };
-    CHECK(has(finding("odd.right"), "keeps its promises"));
-    CHECK(has(finding("odd.first"), "keeps its promises"));
-    CHECK(has(finding("odd.predicate"), "keeps its promises"));
-    CHECK(has(finding("odd.unit"), "keeps its promises"));
+    CHECK(has(finding("odd.right"), "keeps its contract"));
+    CHECK(has(finding("odd.first"), "keeps its contract"));
+    CHECK(has(finding("odd.predicate"), "keeps its contract"));
+    CHECK(has(finding("odd.unit"), "keeps its contract"));
     CHECK(has(finding("odd.distance"), "say LB_UNIT"));
     CHECK(has(finding("odd.squared"), "the form expects the square of the radius"));
     CHECK(has(finding("odd.far_first"), "the far root comes first"));

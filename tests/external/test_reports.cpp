@@ -133,10 +133,10 @@ TEST_CASE("reports: explain names the cause, and the repaired function is right"
 
 TEST_CASE("reports: plugin check names what a function assumes", "[external]") {
     CHECK(Has(checked(".cpp:tinybvh::triangle"), "it seems to compare with a fixed number, an epsilon"));
-    CHECK(Has(checked(".cpp:tinybvh::triangle_repaired"), "keeps its promises"));
+    CHECK(Has(checked(".cpp:tinybvh::triangle_repaired"), "keeps its contract"));
     CHECK(Has(checked(".cpp:mitsuba::sphere_of_2023"),
               "BROKEN inside       a ray from inside that starts exactly beside the centre"));
-    CHECK(Has(checked(".cpp:mitsuba::sphere_repaired"), "keeps its promises"));
+    CHECK(Has(checked(".cpp:mitsuba::sphere_repaired"), "keeps its contract"));
     CHECK(Has(checked(".cpp:wicked::sphere"), "BROKEN inside"));
     CHECK_FALSE(Has(checked(".cpp:wicked::sphere_repaired"), "BROKEN inside"));
     CHECK(Has(checked(".cpp:glm::plane"), "BROKEN within       a ray in its plane hits"));

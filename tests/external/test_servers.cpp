@@ -87,7 +87,7 @@ TEST_CASE("servers: every way to take rays and to answer works as declared", "[e
             if (!is_long() && by_node != (turn % 2 == 0)) continue;  // the short tests run one or the other, in turns
             const std::string pipe = by_node ? node(folder, js) : python(folder, py);
             const Outcome o = must("plugin check" + pipe, folder.path());
-            CHECK(has(o.out, "mine.form in binary64, a sphere: keeps its promises"));
+            CHECK(has(o.out, "mine.form in binary64, a sphere: keeps its contract"));
         }
     }
 }

@@ -47,7 +47,7 @@ TEST_CASE("words: plugin check names the missing property and accepts a form wit
           "at_origin",   "thickness",     "points",        "in_range",      "box_in_range",
           "blocks",      "triangle",      "open_triangle", "segment_point", "segment_thickness"}) {
         INFO(finding("word." + form));
-        CHECK(has(finding("word." + form), ": keeps its promises"));
+        CHECK(has(finding("word." + form), ": keeps its contract"));
     }
     for (const auto& [form, says] : std::initializer_list<std::array<std::string, 2>>{
              {"unsigned_near", "the near root without its sign"},
@@ -68,7 +68,7 @@ TEST_CASE("words: plugin check names the missing property and accepts a form wit
              {"forgets_the_start", "a range that begins behind the primitive, at t = 8, hits; it should miss"},
              {"thickness", "the thickness; hand over near + thickness"}}) {
         INFO(finding("bad." + form));
-        CHECK(has(finding("bad." + form), "promises broken"));
+        CHECK(has(finding("bad." + form), ": fails "));
         CHECK(has(finding("bad." + form), says));
     }
     CHECK(has(o.err, "form \"bad.insists\", in the probe \"nan-origin\": gave up: it called abort()"));

@@ -190,7 +190,7 @@ execute_process(COMMAND ${CXX} -x c -std=c99 -O2 -ffp-contract=off -fPIC -shared
     -o ${WORK}/outside.so COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CXX} -shared ${WORK}/header.cpp -o ${WORK}/header.so @${WORK}/build/form.flags
     COMMAND_ERROR_IS_FATAL ANY)
-say("^0\n.*outside\\.half_space in binary64, a half_space: keeps its promises" plugin check ${WORK}/outside.so)
+say("^0\n.*outside\\.half_space in binary64, a half_space: keeps its contract" plugin check ${WORK}/outside.so)
 say("^0\n.*header\\.half_space" plugin check ${WORK}/header.so)
 file(READ ${WORK}/outside.c outside)
 string(REPLACE "0 : n / m;" "0 : 2 * n / m;" outside "${outside}")
@@ -202,7 +202,7 @@ say("^1\n.*BROKEN t +t is wrong \\(origin \\(0, 0, 5\\), direction \\(0, 0, -1\\
 say("^0\n" map floor.toml --plugin ${WORK}/outside.so --plugin ${WORK}/header.so -i *.half_space -f f64 -o doors)
 hold(doors/floor/summary.csv "\noutside\\.half_space,f64,256,199,57,0,0,0,0,")
 hold(doors/floor/summary.csv "\nheader\\.half_space,f64,256,199,57,0,0,0,0,")
-say("^0\n.*shader\\.half_space in binary32, a half_space: keeps its promises" plugin check --shader ${WORK}/half_space.glsl)
+say("^0\n.*shader\\.half_space in binary32, a half_space: keeps its contract" plugin check --shader ${WORK}/half_space.glsl)
 say("^0\n" map floor.toml --shader ${WORK}/half_space.glsl -i shader.half_space -f f32 -o shader)
 hold(shader/floor/summary.csv "\nshader\\.half_space,f32,256,199,57,0,0,0,0,")
 say("^0\n.*culprit is n\\.\\(P-o\\)" explain floor.toml --pixel 3,12 -i half_space.quotient -f f32)

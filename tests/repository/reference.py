@@ -101,12 +101,12 @@ def page(program):
     lines = ["# Reference", "",
              "This page is generated: `python3 tests/repository/reference.py build/lostbits` writes it again, and a test checks",
              "that it is current. Keys of scenes, sweeps and claims are in [data/README.md](../data/README.md); options of every",
-             "command and exit status are in [install.md](install.md#options-of-every-command).", "", "Contents: "
+             "command and the exit status are in [install.md](install.md#options-of-every-command).", "", "Contents: "
              + ", ".join(f"[{name}](#{name.lower().replace(' ', '-')})" for name in
                          ("Forms", "Members of primitives", "Formats", "Metrics", "Transform methods", "Ray generators",
                           "Bounding boxes", "Offset strategies", "Consistency checks", "Columns of tables", "Commands"))
              + ".", "", "## Forms", "",
-             "[What a form promises](your-own-intersector.md#what-a-form-promises) explains the columns from `direction` to",
+             "[The contract of a form](your-own-intersector.md#the-contract-of-a-form) explains the columns from `direction` to",
              "`next_crossing`.", *forms(program)]
     lines += ["", "## Members of primitives", "",
               "A form reads these members. `T` is its number type; `Vec<T>` has `x`, `y` and `z`.", "", *members()]

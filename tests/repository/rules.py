@@ -48,6 +48,30 @@ def rooms_in(readme):
     return re.findall(r"\| `([\w/]+)` \|", readme) + [PROGRAM]
 
 
+def folder_of(room):
+    """The folder of a room, from the root of the repository."""
+    return room if room.startswith(PROGRAM) else f"src/{room}"
+
+
+def readme_offences(room, text, purpose, files, included):
+    """The README of a room has its name, the purpose that the list gives (with a capital letter), the files to begin
+    with, and the folders on which its code builds, in at most nine lines. `files` are the files of the room, and
+    `included` the rooms whose headers they include."""
+    words = " ".join(text.split())
+    begin = re.search(r"Begin with (.*?)\. It ", words)
+    begin_files = re.findall(r"`([\w/.]+\.(?:hpp|cpp|h))`", begin[1]) if begin else []
+    builds = re.search(r"builds mostly on (.*)\.$", words)
+    missing_files = [name for name in begin_files
+                     if name not in files and not any((f / name).is_file() for f in (ROOT, ROOT / folder_of(room)))]
+    missing_rooms = [name for name in re.findall(r"`([\w/]+)`", builds[1] if builds else "") if name not in included]
+    return ([f"{room}/README.md: does not begin with its name and its purpose"]
+            * (not words.startswith(f"# {room} {purpose[0].upper()}{purpose[1:]}."))
+            + [f"{room}/README.md: has more than nine lines"] * (text.count("\n") > 9)
+            + [f"{room}/README.md: names no file to begin with"] * (not begin_files)
+            + [f"{room}/README.md: names {name}, which does not exist" for name in missing_files]
+            + [f"{room}/README.md: says that it builds on {name}, which it does not include" for name in missing_rooms])
+
+
 def namespace_of(room):
     """The namespace of a room, which follows its path. Numbers, geometry and shapes are in `lostbits`, so that a
     formula over float finds their operations."""

@@ -142,14 +142,14 @@ class Checks(unittest.TestCase):
             macros.document(numbers, macros.Sources())
 
     def test_a_source_that_is_wrong_is_detected(self):
-        self.wrong("there is no claim", lambda n: n.update(claim="bound.slabs-nothing"))
+        self.wrong("is not the id of a claim", lambda n: n.update(claim="bound.slabs-nothing"))
         self.wrong("rests on proof", lambda n: n.update(evidence="sample"))
         self.wrong("is not a whole number", lambda n: n.pop("digits"))
         self.wrong("must have one of", lambda n: n.update(file="docs/bounds.md"))
         self.wrong("different matches", lambda n: n.update(pattern="no such text"), "SlabEta")
         self.wrong("is missing", lambda n: n.update(file="docs/nothing.md"), "SlabEta")
         self.wrong("prints as", lambda n: n.update(digits=6), "VdbBits")
-        self.wrong("there is no command", lambda n: n.update(command="nowhere"), "MeshWoop")
+        self.wrong("is not one of the commands", lambda n: n.update(command="nowhere"), "MeshWoop")
 
     def test_a_claim_that_changes_changes_the_macros(self):
         numbers, sources = tomllib.loads(read("docs/paper/numbers.toml")), macros.Sources()

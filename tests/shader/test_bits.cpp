@@ -120,7 +120,7 @@ TEST_CASE("shader bits: every example keeps its contract, and boxes have the bit
         const bool traces = file.filename() == "sphere_tracer.glsl" || file.filename() == "field.glsl";
         INFO(file << o.out << o.err);
         CHECK(o.code == (traces ? 1 : 0));
-        CHECK(has(o.out, traces ? "BROKEN scale        where all lengths are 2^-" : "keeps its promises"));
+        CHECK(has(o.out, traces ? "BROKEN scale        where all lengths are 2^-" : "keeps its contract"));
         CHECK(static_cast<bool>(has(o.out, "BROKEN")) == traces);
     }
     const auto out = map_of(folder, "box-one", "--shader " + examples + "box.glsl -i 'shader.*' -i box.signs -f f32");

@@ -203,7 +203,7 @@ struct Limits {
     double processor = 3600;
 };
 
-/// Reason why the test must be ended; empty if there is none.
+/// Reason why the test must be ended; empty if the test may go on.
 std::string fault_of(const Progress& progress, const Limits& limits) {
     if (progress.still() >= limits.still)
         return "no progress at " + std::to_string(progress.still()) + " looks, a second apart";

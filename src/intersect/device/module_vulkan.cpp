@@ -70,7 +70,8 @@ std::optional<std::uint32_t> find_compute_family(VkPhysicalDevice device) {
     return std::nullopt;
 }
 
-/// Finds the first device with such a queue family that is not a processor; if there is none, the first processor.
+/// Finds the first device with such a queue family that is not a processor; if every one is a processor, the first
+/// processor.
 SelectedDevice find_device(VkInstance instance) {
     const auto devices = read_list<VkPhysicalDevice>(
         [&](auto* count, auto* entries) { vkEnumeratePhysicalDevices(instance, count, entries); });

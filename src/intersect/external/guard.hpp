@@ -81,7 +81,7 @@ std::vector<std::string> noted_changes();
 /// Returns the change noted for one library or form; empty if no change was noted.
 std::string find_noted_change(const std::string& who);
 
-/// Name of the foreign code that runs in this thread, for messages; null if there is none.
+/// Name of the foreign code that runs in this thread, for messages; null if no foreign code runs in it.
 const char* running_foreign_code() noexcept;
 
 struct GuardOptions {

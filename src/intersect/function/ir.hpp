@@ -71,7 +71,7 @@ public:
     /// whole word.
     bool take(std::string_view text);
     void expect(std::string_view text);
-    /// Takes a word of letters, digits and . _ - $; empty if there is none.
+    /// Takes a word of letters, digits and . _ - $; empty if the next character is another one.
     std::string_view take_word();
     /// Takes the name after % @ or !, with or without quotation marks.
     std::string take_name();
@@ -99,7 +99,7 @@ public:
     const Type* pointer_type() const { return pointer_; }
 
     [[nodiscard]] const IrFunction* find_function(const std::string& name) const;
-    /// Text of the metadata with this index; empty if there is none.
+    /// Text of the metadata with this index; empty if the file has no metadata with this index.
     [[nodiscard]] std::string_view metadata(int index) const;
     [[nodiscard]] const std::string& text() const { return text_; }
     /// Line number of a part of the text, from 1.

@@ -232,8 +232,9 @@ std::optional<Mask> Nodes::compare_side_by_side(TapeOp op, NodeId x, NodeId y, S
     return select_mask(chosen.operands[0], result_if_true, compare_value(chosen.operands[2]));
 }
 
-/// Returns operands of the function's own format whose comparison gives the same decision; empty if there are none. A
-/// constant between two neighbouring numbers of that format is replaced by the neighbour on the side that `op` needs.
+/// Returns operands of the function's own format whose comparison gives the same decision; empty if no such operands
+/// exist. A constant between two neighbouring numbers of that format is replaced by the neighbour on the side that `op`
+/// needs.
 std::optional<std::pair<NodeId, NodeId>> Nodes::narrow_comparison(TapeOp op, NodeId a, NodeId b) {
     const ProgramNode x = (*this)[a], y = (*this)[b];
     auto narrow_a = unwidened_node(a), narrow_b = unwidened_node(b);

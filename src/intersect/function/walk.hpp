@@ -69,8 +69,8 @@ public:
     };
     /// All stored numbers, in the order in which the function stores them.
     [[nodiscard]] const std::vector<StoredNumber>& stored() const { return stored_; }
-    /// Index of the innermost place in the user's files on the chain of calls that leads to `place`; -1 if there is
-    /// none.
+    /// Index of the innermost place in the user's files on the chain of calls that leads to `place`; -1 if no
+    /// place of the chain is in these files.
     [[nodiscard]] int innermost_user_place(int place) const;
 
 private:

@@ -108,7 +108,7 @@ struct MemberAtOffset {
     std::size_t offset = 0;
 };
 
-/// Finds the member that contains the byte at `offset`. Its type is -1 if there is none.
+/// Finds the member that contains the byte at `offset`. Its type is -1 if no member contains it.
 MemberAtOffset find_member(const Module& module, std::string_view composite, std::size_t offset) {
     for (const int m : metadata_indices(module.metadata(metadata_index(metadata_field(composite, "elements"))))) {
         const std::string_view member = module.metadata(m);

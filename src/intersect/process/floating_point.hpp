@@ -21,7 +21,7 @@ public:
     /// Sets this state for this thread.
     void apply() const noexcept;
     /// Returns the differences from the standard state as the property of a contract, such as
-    /// `flush_to_zero,denormals_are_zero`; empty if there are none.
+    /// `flush_to_zero,denormals_are_zero`; empty if the state is the standard one.
     [[nodiscard]] std::string differences() const;
     /// Applies differences, as `differences` names them, to `state`. Returns false for an unknown name. The difference
     /// `traps` changes nothing.

@@ -63,7 +63,7 @@ int column_of(const LogMessage& message, const std::string& line) {
     return position == std::string::npos ? 1 : static_cast<int>(position) + 1;
 }
 
-/// Returns advice to add to a compiler's message; empty if there is none.
+/// Returns advice to add to a compiler's message; empty if no advice fits the message.
 std::string advice_for(const std::string& message_text) {
     const auto has = [&message_text](const char* part) { return message_text.find(part) != std::string::npos; };
     if (has("non-opaque uniforms")) return " (write a constant, or try --device opengl)";

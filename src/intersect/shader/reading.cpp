@@ -126,7 +126,8 @@ Parameter parameter_of(std::span<const Token> tokens) {
     return p;
 }
 
-/// For each index of an opening round bracket, the index of its closing bracket; `code.size()` if there is none.
+/// For each index of an opening round bracket, the index of its closing bracket; `code.size()` if the bracket is never
+/// closed.
 std::vector<std::size_t> closing_brackets(const std::vector<Token>& code) {
     std::vector<std::size_t> closing(code.size(), code.size()), open_brackets;
     for (std::size_t i = 0; i < code.size(); ++i) {
@@ -238,7 +239,7 @@ bool is_endless(const std::vector<Token>& code, const EndIndices& ends, std::siz
     return is_true || (code[index].text == ";" && code[index + 1].text == ";");
 }
 
-/// The largest integer between the `for` at `index` and its second semicolon; 0 if there is none.
+/// The largest integer between the `for` at `index` and its second semicolon; 0 if no integer is written there.
 long long bound_of(const std::vector<Token>& code, std::size_t index,
                    const std::map<std::string_view, long long>& constants) {
     long long largest = 0;

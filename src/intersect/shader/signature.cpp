@@ -33,7 +33,7 @@ bool is_named(const Key& key, const std::string& name) {
     return !name.empty() && (name == key.name || std::ranges::find(key.aliases, name) != key.aliases.end());
 }
 
-/// Returns the key of a shape with that name and that number of numbers; null if there is none.
+/// Returns the key of a shape with that name and that number of numbers; null if the shape has no such key.
 const Key* key_named(const ShapeRow& shape_row, const std::string& name, std::size_t numbers) {
     const auto key =
         std::ranges::find_if(shape_row.keys, [&](const Key& k) { return k.count() == numbers && is_named(k, name); });

@@ -41,7 +41,7 @@ std::size_t length_of_quotation(std::string_view text) {
     return std::min(length + 1, text.size());
 }
 
-/// Returns the end of the blank or the comment that begins at a position; the position itself if there is none.
+/// Returns the end of the blank or the comment that begins at a position; the position itself if neither begins there.
 std::size_t end_of_gap(std::string_view text, std::size_t position) {
     const std::string_view rest = text.substr(position);
     if (std::isspace(static_cast<unsigned char>(rest[0])) != 0) return position + 1;

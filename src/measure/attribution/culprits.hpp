@@ -64,7 +64,7 @@ std::vector<std::string> operation_names(const intersect::table::Intersector& fo
 std::vector<std::string_view> labels_of(const intersect::table::Intersector& form, const Setting& setting);
 
 /// Names of the inputs of a form's tape. `recorded_ray` is the recording of the operations that made the ray, whose
-/// inputs come first; null if there is none.
+/// inputs come first; null if the ray was not recorded.
 std::vector<std::string> names_of_inputs(const intersect::table::Intersector& form,
                                          const intersect::Target<double>& target,
                                          const scene::rays::RecordedRay* recorded_ray);

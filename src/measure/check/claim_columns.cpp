@@ -43,7 +43,7 @@ std::string label_of_operation(const std::string& operation) {
 }
 
 /// Finds the operations of a form that `text` names: the operation with that expression, or the operations with that
-/// label. Throws InputError with did-you-mean if there are none.
+/// label. Throws InputError with did-you-mean if the form has no such operation.
 std::vector<std::string> find_operations(const std::string& text, const Claim& claim,
                                          const attribution::Setting& setting) {
     const auto operations = attribution::operation_names(*tested_form_of(claim).form, setting);

@@ -21,9 +21,10 @@ double quantile_named(const std::string& text) {
     const char* const end = text.data() + text.size();
     const bool is_number = text.starts_with("p") && std::from_chars(text.data() + 1, end, percent).ptr == end;
     if (!is_number || !(percent > 0 && percent < 100))
-        throw InputError(text +
-                         ": not a quantile; write max, or a percentile such as p50, p99 or p99.9 (p99: 99 of 100 hits "
-                         "keep the bits)");
+        throw InputError(
+            text +
+            ": is not a quantile; write max, or a percentile such as p50, p99 or p99.9 (p99: 99 of 100 hits "
+            "keep the bits)");
     return percent / 100;
 }
 

@@ -35,7 +35,7 @@ struct FileRays {
 /// Properties of the files that their columns do not contain; the command line gives them.
 struct FileOptions {
     std::string result_name;
-    /// Primitives of all rays. If there are none and no mesh, each ray has its own.
+    /// Primitives of all rays. If neither these nor a mesh are given, each ray has its own.
     std::vector<Primitive<double>> primitives = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     intersect::Info contract{};                                 ///< contract of the answers

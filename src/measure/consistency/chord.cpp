@@ -77,8 +77,8 @@ struct BallOnRay {
     [[nodiscard]] double end() const { return middle + std::max(middle, 2 * half); }
 };
 
-/// Returns the primitive that the ray of the pixel truly meets. If there is none, returns the primitive ahead that the
-/// ray passes nearest to, in units of its radius. Of a large mesh, only primitives whose box the ray comes near are
+/// Returns the primitive that the ray of the pixel truly meets. If the ray misses all, returns the primitive ahead that
+/// the ray passes nearest to, in units of its radius. Of a large mesh, only primitives whose box the ray comes near are
 /// considered.
 std::optional<std::size_t> find_primitive(const FormOnBand& band_form, std::size_t i) {
     const Truth ray_truth = band_form.band.truth(i, band_form.tested_form.convention());

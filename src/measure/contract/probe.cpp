@@ -78,7 +78,7 @@ struct LengthMistake {
     std::string mistake, remedy;
 };
 
-/// Finds the mistake about a length that explains all answers of a form; empty if there is none.
+/// Finds the mistake about a length that explains all answers of a form; empty if no mistake explains them.
 std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     const auto length = length_key(trial.shape);
     if (!length) return std::nullopt;
@@ -162,7 +162,7 @@ void try_direction(Trial& trial) {
         return trial.report_broken(
             "t is a distance: a direction twice as long changes nothing. Divide t by its length, or " + say_unit);
 
-    // Otherwise the t for length 2 is wrong; this breaks no promise if the t for length 1 is wrong already.
+    // Otherwise the t for length 2 is wrong; this breaks no property if the t for length 1 is wrong already.
     const std::string result_text = "a direction twice as long gives t = " + text_of(doubled_reply.near);
     const double right = ends_of(q, trial.shape)->near;
     if (!is_answer(reply.near, right)) return trial.report_note(result_text + "; the t for length 1 is wrong already");
@@ -340,9 +340,9 @@ bool probe_hit(Trial& trial) {
     return hits;
 }
 
-/// Probes the promises about the answers. Probes that only make sense if the t of the plainest ray is right are left
+/// Probes the properties of the answers. Probes that only make sense if the t of the plainest ray is right are left
 /// out if it is wrong, and named.
-void probe_promises(Trial& trial) {
+void probe_properties(Trial& trial) {
     const bool t_is_right = !trial.has_broken("t") && !trial.has_broken("hit");
     std::string skipped_probes;
     const auto probe_if_right = [&](const char* name, const auto& probe, bool applies = true) {
@@ -372,7 +372,7 @@ void probe_promises(Trial& trial) {
 
     // Comparisons with the truth on many rays.
     probe_if_right("scale", try_scale);
-    if (!trial.has_broken_promise()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
+    if (!trial.has_broken_property()) trial.probe("rays", try_rays);  // otherwise the mistake is known already
     // Half of the rays of this probe come from behind.
     probe_if_right("edges", try_edges, !trial.has_broken("facing") && !trial.has_broken("rays"));
 
@@ -391,7 +391,7 @@ std::vector<Observation> run_all_probes(const ForeignForm& form) {
     if (!probe_hit(trial)) return std::move(trial.findings);
     if (trial.tells_t) trial.probe("t", try_t);
     if (!trial.has_broken("t")) trial.probe(trial.tells_t ? "t" : "hit", try_extent);
-    probe_promises(trial);
+    probe_properties(trial);
     try_unusual_numbers(trial);
     return std::move(trial.findings);
 }

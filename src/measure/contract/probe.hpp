@@ -8,17 +8,17 @@
 
 namespace lostbits::measure::contract {
 
-/// Result about one promise of a contract.
+/// Result of one probe of a contract.
 struct Observation {
     enum class Verdict {
-        kept,    ///< the form keeps the promise
+        kept,    ///< the form has the property
         broken,  ///< the form does something else
-        warned,  ///< nothing was promised, but answers are wrong
-        noted    ///< nothing was promised; the behaviour is worth knowing
+        warned,  ///< no property is broken, but answers are wrong
+        noted    ///< no property is broken; the behaviour is worth knowing
     };
     std::string subject;  ///< `direction`, `roots`, `touching`, …
     Verdict verdict;
-    std::string text;  ///< what the form does and, if that breaks a promise, what to write
+    std::string text;  ///< what the form does and, if that breaks a property, what to write
 };
 
 /// Probes a form with:

@@ -113,7 +113,7 @@ std::string property_for_answer(RightAnswer answer, Roots roots) {
     return "";
 }
 
-RightAnswer promised_answer_inside(const intersect::external::Contract& c) {
+RightAnswer stated_answer_inside(const intersect::external::Contract& c) {
     switch (c.inside) {
         case Inside::exit: return RightAnswer::exit;
         case Inside::zero: return RightAnswer::zero;
@@ -150,9 +150,9 @@ void try_inside(Trial& trial) {
     if (contract.roots == Roots::both) return try_interval(trial, rays);
 
     // Without a t, only the decision counts.
-    const RightAnswer answer = rays.answer(), promised_answer = promised_answer_inside(contract);
+    const RightAnswer answer = rays.answer(), stated_answer = stated_answer_inside(contract);
     if (!trial.tells_t) {
-        const bool hits = promised_answer != RightAnswer::miss;
+        const bool hits = stated_answer != RightAnswer::miss;
         return trial.check((rays.up.reply.hit == 1) == hits && (rays.down.reply.hit == 1) == hits,
                            hits ? "a ray from inside hits" : "a ray from inside misses",
                            hits ? "a ray from inside misses; say LB_INSIDE_MISS (inside_misses, inside=miss)"
@@ -163,8 +163,8 @@ void try_inside(Trial& trial) {
     const std::string text = std::string("a ray from inside ") + answer_texts[static_cast<std::size_t>(answer)];
     const bool are_both_misses = contract.roots == Roots::near_only &&
                                  (answer == RightAnswer::near || answer == RightAnswer::miss) &&
-                                 (promised_answer == RightAnswer::near || promised_answer == RightAnswer::miss);
-    if (answer == promised_answer || are_both_misses) {
+                                 (stated_answer == RightAnswer::near || stated_answer == RightAnswer::miss);
+    if (answer == stated_answer || are_both_misses) {
         const std::string mistake = mistake_beside_centre(trial);
         return mistake.empty() ? trial.report_kept(text) : trial.report_broken(mistake);
     }

@@ -304,7 +304,7 @@ void try_rays(Trial& trial) {
             tested += count.tested;
             if (count.wrong == 0) continue;
 
-            // Few wrong answers, and wrong answers only where axes lie at an angle, break no promise.
+            // Few wrong answers, and wrong answers only where axes lie at an angle, break no property.
             const bool is_oblique = !is_upright && has_axis(trial.shape);
             const std::string text = wrong_count_text(count, aim) + ignored_length_text(trial, questions);
             if (count.is_many() && !is_oblique) return trial.report_broken(text);

@@ -178,10 +178,10 @@ std::optional<UnitGuess> guess_units(const std::vector<AnswerSample>& wrong) {
 }
 
 /// Finds a factor by which t is off in nine in ten of the wrong hits, false hits included. Returns a text about it;
-/// empty if there is none. The factor is the median of one half of the answers and must hold for both halves. It is not
-/// accepted if all answers have the same t. A factor that is not round is accepted only if the true t differ by more
-/// than a twentieth, and if adding a constant to the true t does not explain nine in ten as well. Near 1, and where all
-/// t are about the same, a factor and a constant cannot be told apart.
+/// empty if no factor fits. The factor is the median of one half of the answers and must hold for both halves. It is
+/// not accepted if all answers have the same t. A factor that is not round is accepted only if the true t differ by
+/// more than a twentieth, and if adding a constant to the true t does not explain nine in ten as well. Near 1, and
+/// where all t are about the same, a factor and a constant cannot be told apart.
 std::string units_text(const std::array<SuspectAnswers, 2>& halves) {
     const std::optional<UnitGuess> guess = guess_units(halves.front().wrong);
     if (!guess) return "";

@@ -87,7 +87,7 @@ std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::spa
                  .own = nullptr,
                  .starts = has_ranges ? starts.data() : nullptr});
 
-    // Only the roots that the contract promises are read.
+    // Only the roots that the contract names are read.
     std::vector<Reply> replies;
     for (std::size_t i = 0; i < count; ++i) {
         const bool has_t = hit[i] == 1 && form.contract.roots != intersect::Roots::none;
@@ -226,11 +226,11 @@ public:
     }
     [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
     [[nodiscard]] bool has_flag(unsigned flag) const { return (contract.flags & flag) != 0; }
-    [[nodiscard]] bool has_broken_promise() const {
+    [[nodiscard]] bool has_broken_property() const {
         return std::ranges::any_of(findings,
                                    [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
     }
-    /// True if a probe of this name found a broken promise.
+    /// True if a probe of this name found a broken property.
     [[nodiscard]] bool has_broken(std::string_view name) const {
         return std::ranges::any_of(findings, [name](const Observation& f) {
             return f.subject == name && f.verdict == Observation::Verdict::broken;
@@ -261,7 +261,7 @@ private:
 
 /// Probes how the form is called (probe_calls.cpp).
 void probe_calls(Trial& trial);
-/// Probes of one promise each (probe_surface.cpp).
+/// Probes of one property each (probe_surface.cpp).
 void try_inside(Trial& trial);
 void try_facing(Trial& trial);
 /// For a form that misses the plainest ray: true if the form hits the primitive from the other side. Then reports which

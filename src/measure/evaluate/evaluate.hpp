@@ -67,8 +67,9 @@ struct FormSummary {
     std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric with categories, the number of rays in each category; empty for other metrics.
     std::vector<std::vector<std::uint64_t>> categories;
-    WorstRay worst;  ///< correct hit with the largest |ulp_error|, the first if several are equal; x < 0: there is none
-    /// The first ray with each of the `wrong_decisions`, in their order; null if there is none.
+    WorstRay
+        worst;  ///< correct hit with the largest |ulp_error|, the first if several are equal; x < 0: no hit is correct
+    /// The first ray with each of the `wrong_decisions`, in their order; null if the form never makes the decision.
     std::array<std::unique_ptr<WorstRay>, wrong_decisions.size()> faults;
 
     FormSummary() = default;
@@ -82,7 +83,7 @@ struct FormSummary {
     [[nodiscard]] std::uint64_t wrong_count() const;
     /// The most frequent of the `wrong_decisions`; nothing if every decision is right.
     [[nodiscard]] std::optional<answer::Outcome> most_frequent_wrong_decision() const;
-    /// The first ray with this wrong decision; null if there is none.
+    /// The first ray with this wrong decision; null if the form never makes it.
     [[nodiscard]] const WorstRay* first_of(answer::Outcome wrong) const;
     /// The first ray with the decision `most_frequent_wrong_decision()`; null if every decision is right.
     [[nodiscard]] const WorstRay* first_fault() const;

@@ -46,8 +46,8 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
 
 /// A form's statements about its own answer to ray i at one primitive: its error bound, the arithmetic of its filter,
 /// its steps, the levels of its boxes. The levels are those for the primitive `true_primitive`, which the ray truly
-/// meets; there are none if it is negative. Statements that `needs` does not name, or that the form cannot make, are
-/// empty.
+/// meets; if it is negative, the ray misses, and there are no levels. Statements that `needs` does not name, or that
+/// the form cannot make, are empty.
 class FormStatements {
 public:
     FormStatements(const TestedForm& tested_form, unsigned needs, const truth::FormatInputs& inputs,

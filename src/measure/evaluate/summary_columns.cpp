@@ -199,13 +199,13 @@ void add_statistics(const Metric& metric, std::size_t m, Columns& columns) {
     add_bound("_high", &metric::Bounds::high);
 }
 
-/// Returns a function that computes `part` of the worst ray; NaN if there is none.
+/// Returns a function that computes `part` of the worst ray; NaN if no hit is correct.
 template <class Part>
 std::function<double(const S&)> value_of_worst_ray(const Part& part) {
     return [part](const S& s) { return s.worst.x < 0 ? missing : part(s.worst); };
 }
-/// Returns a function that computes `part` of the first ray with the most frequent wrong decision; NaN if there is
-/// none.
+/// Returns a function that computes `part` of the first ray with the most frequent wrong decision; NaN if every
+/// decision is right.
 template <class Part>
 std::function<double(const S&)> value_of_first_fault(const Part& part) {
     return [part](const S& s) { return s.first_fault() == nullptr ? missing : part(*s.first_fault()); };

@@ -39,7 +39,7 @@ std::vector<SummaryColumn> wrong_decision_columns();
 std::string column_name(const metric::Metric& metric);
 std::string column_name(const metric::Metric& metric, const metric::Statistic& statistic);
 
-/// The column with that name; null if there is none.
+/// The column with that name; null if the table has no such column.
 const SummaryColumn* find_column(const std::vector<SummaryColumn>& columns, std::string_view name);
 
 }  // namespace lostbits::measure::evaluate

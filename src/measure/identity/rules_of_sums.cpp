@@ -132,7 +132,7 @@ void find_approach(RewriteFinder& finder, bool uses_unit_vector) {
     add_all(finder, replacements);
 }
 
-/// Finds the number whose square is the product. Returns nothing if there is none.
+/// Finds the number whose square is the product. Returns nothing if the product is not such a square.
 std::optional<NodeId> find_root(RewriteFinder& finder, const Product& product, bool by_length) {
     // Halves the powers. A length stands for one square of a vector.
     Product halved;
@@ -181,7 +181,8 @@ void find_squares(RewriteFinder& finder, bool by_length) {
     });
 }
 
-/// Finds three vectors whose pairwise dot products are ab, bc and ca. Returns nothing if there are none.
+/// Finds three vectors whose pairwise dot products are ab, bc and ca. Returns nothing if no three vectors have these
+/// products.
 std::optional<std::array<Triple, 3>> find_ring(const Terms& terms, NodeId ab, NodeId bc, NodeId ca) {
     const auto [a, b] = terms.factors_of(ab).value();
     for (const auto& [x, y] : {std::pair(a, b), std::pair(b, a)}) {

@@ -154,7 +154,7 @@ public:
     /// here.
     void add(const Distribution& other);
     [[nodiscard]] std::uint64_t count() const { return count_; }
-    /// Mean of |x|; infinite when any sample is infinite, NaN when there is none.
+    /// Mean of |x|; infinite when any sample is infinite, NaN when no sample was added.
     [[nodiscard]] double mean() const;
     /// Quantile q: one of the `statistics`, or, before `seal`, any other.
     [[nodiscard]] double quantile(double q) const;

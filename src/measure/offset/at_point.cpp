@@ -151,11 +151,11 @@ public:
         return has_wrong_ray ? OffsetVerdict::too_little : OffsetVerdict::enough;
     }
 
-    /// Returns the smallest safe offset; infinite if there is none.
+    /// Returns the smallest safe offset; infinite if no offset is safe.
     [[nodiscard]] double safe_offset(Side side) const {
         return smallest_offset([&](double e) { return judge_safety(side, e); });
     }
-    /// Returns the smallest quiet offset; infinite if there is none.
+    /// Returns the smallest quiet offset; infinite if no offset is quiet.
     [[nodiscard]] double quiet_offset(Side side) const {
         return smallest_offset([&](double e) { return judge_quiet(side, e); });
     }
@@ -199,7 +199,7 @@ private:
         return as_doubles(add_scaled<T>(strategy_input_.point, signed_e, strategy_input_.normal));
     }
     /// Finds the smallest offset that `verdict_on` calls enough, up to 64 times the largest number of the point and the
-    /// primitive; infinite if there is none.
+    /// primitive; infinite if none of these is enough.
     template <class VerdictOn>
     [[nodiscard]] double smallest_offset(const VerdictOn& verdict_on) const {
         const FloatFormat& format = work_.tested_form_.format.parameters;
@@ -376,7 +376,7 @@ private:
         else form.rounded(work_.tested_form_.format.parameters, batch, primitive, answers);
     }
 
-    /// Returns the first root that the form reports in (tmin, tmax); NaN if there is none.
+    /// Returns the first root that the form reports in (tmin, tmax); NaN if it reports no root there.
     static double first_reported(const intersect::Info& info, const NewRay& r, const std::array<S, 3>& roots) {
         const std::size_t begin = info.roots == intersect::Roots::both ? 1 : 0;
         const std::size_t end = info.roots == intersect::Roots::both ? 3 : 1;

@@ -88,7 +88,7 @@ inline std::size_t index_at_point(Side side, std::size_t strategy, std::size_t s
 /// Results on one side of a point that do not depend on a strategy.
 struct SideOfPoint {
     std::uint8_t rays = 0;
-    double safe_offset = truth::missing;   ///< the smallest safe offset; infinite if there is none
+    double safe_offset = truth::missing;   ///< the smallest safe offset; infinite if no offset is safe
     double quiet_offset = truth::missing;  ///< the smallest safe offset without a fault by the form's arithmetic
 };
 

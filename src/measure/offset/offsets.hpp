@@ -139,7 +139,8 @@ struct SafeStrategy {
     const Strategy* strategy;
     /// Number of operations for one new ray as the rule is written (`Strategy::operations`); not a time.
     std::uint64_t operations;
-    double size_ratio;  ///< median of `StrategySummary::size_ratio`, the largest over the sides; NaN if there is none
+    double size_ratio;  ///< median of `StrategySummary::size_ratio`, the largest over the sides; NaN if no side has a
+                        ///< ratio
 };
 
 /// Returns the strategies of a measured row that are safe to all of these sides, the cheapest first, and equally cheap

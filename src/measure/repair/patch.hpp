@@ -11,7 +11,8 @@ namespace lostbits::measure::repair {
 
 /// Patch of a file, or the reason why it could not be written.
 struct Patch {
-    std::string diff;    ///< unified diff, with the path that the user gave for the file; empty if there is no patch
+    std::string diff;    ///< unified diff, with the path that the user gave for the file; empty if the change cannot be
+                         ///< written as one
     std::string reason;  ///< if `diff` is empty, why: the end of the sentence "It is not a patch of FILE: …"
     std::string file;
 };
@@ -27,9 +28,9 @@ public:
 
     /// True if the form is a function of a file (`--function`).
     [[nodiscard]] bool can_write() const;
-    /// Returns a patch with which the function computes what the new tape computes, or the reason why there is none.
-    /// The patched file has been compiled, and its operations followed: on at most `few_rays_count` rays of the
-    /// request, they give the same bits as the new tape.
+    /// Returns a patch with which the function computes what the new tape computes, or the reason why no patch can be
+    /// written. The patched file has been compiled, and its operations followed: on at most `few_rays_count` rays of
+    /// the request, they give the same bits as the new tape.
     [[nodiscard]] Patch make_patch(const Tape& new_tape);
 
 private:

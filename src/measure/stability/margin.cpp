@@ -165,7 +165,7 @@ public:
         tried_epsilon_ = epsilon;
         return false;
     }
-    /// An ε at which, to first order, all signs are known that the last `holds` could not prove; 0 if there is none.
+    /// An ε at which, to first order, all signs are known that the last `holds` could not prove; 0 if no ε suffices.
     [[nodiscard]] double guess() const {
         double largest_ratio = 0;
         for (const auto& [x, sign] : open_signs_)

@@ -29,7 +29,8 @@ struct DriverDifference {
     int ulps = 0;
 
     [[nodiscard]] bool is_explained() const { return !rewritings.empty() || inexact_operation != no_node; }
-    /// The first operation on the tape that a rewriting or the inexact operation changes; `no_node` if there is none.
+    /// The first operation on the tape that a rewriting or the inexact operation changes; `no_node` if they change no
+    /// operation.
     [[nodiscard]] NodeId first_changed() const;
 };
 

@@ -94,7 +94,7 @@ ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& teste
 /// Marks each point for which another one is at least as fast and as accurate, and better in one of the two.
 std::vector<bool> find_dominated(const std::vector<ParetoPoint>& points);
 
-/// Fastest point that is never wrong and keeps at least `kept_bits` bits; nothing if there is none.
+/// Fastest point that is never wrong and keeps at least `kept_bits` bits; nothing if no point qualifies.
 std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& points, double kept_bits);
 
 /// Numbers of kept bits for which the summary names the fastest kernel.

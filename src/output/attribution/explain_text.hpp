@@ -30,7 +30,7 @@ struct ExplainedVerdict {
     std::string answer;  ///< how far off the answer is, or which decision is wrong; more lines for another primitive
                          ///< and for the mesh
     std::string loss;    ///< the cause of the loss: the problem, the formula, or neither if a march ended
-    std::string blame;   ///< the operation to blame, or why there is none
+    std::string blame;   ///< the operation to blame, or why no operation is to blame
     NodeId culprit = no_node;  ///< the operation to blame; none if `blame` says so
 
     /// The three texts, one per line.
@@ -56,7 +56,7 @@ std::string sums_text(const Explanation& explanation, const OperationView& view)
 std::string envelope_sentence(const Explanation& explanation);
 
 /// Names the operation that contributes most, the effect of its rounding, and others that contribute as much, or says
-/// why there is none. The operation is called the culprit if it is to blame.
+/// why no operation contributes most. The operation is called the culprit if it is to blame.
 std::string culprit_sentence(const Explanation& explanation);
 /// Gives the answer if only the culprit were exact, and if only the culprit rounded. Empty if there is no culprit.
 std::string counterfactual_sentence(const Explanation& explanation);

@@ -233,7 +233,7 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
     return other_cause_sentence(explanation, is_march);
 }
 
-/// The culprit, or the reason why there is none.
+/// The culprit, or the reason why no operation is to blame.
 std::string culprit_paragraph(const Explanation& explanation, bool is_march) {
     if (!explanation.has_tape())
         return "Its operations are not known, because a compiled function is a black box; write it as a form over any "

@@ -45,7 +45,7 @@ constexpr const char* state_name(measure::check::ClaimResult::State state) {
 std::string quantity_text(const Claim& claim);
 /// `all 65537 floats` for a claim that rests on every float of a range; empty for other claims.
 std::string floats_text(const ClaimResult& result);
-/// The criterion as a clause: `the statement says > 0`; empty if there is none.
+/// The criterion as a clause: `the statement says > 0`; empty if the claim has no criterion.
 std::string criterion_text(const Claim& claim);
 /// How a claim fails to agree: `expected to hold, but does not`, or `refuted, but the number has changed`.
 std::string disagreement_text(const Claim& claim, const ClaimResult& result);
@@ -54,9 +54,9 @@ std::string disagreement_text(const Claim& claim, const ClaimResult& result);
 std::string explanation_text(const Claim& claim, const ClaimResult& result);
 /// The metric behind a column of a summary: lost_bits for `lost_bits_p99`; null for an outcome.
 const Metric* metric_of_column(const std::string& column);
-/// The worst ray of the measurement in hexadecimal floats; empty if there is none.
+/// The worst ray of the measurement in hexadecimal floats; empty if no ray was kept.
 std::string witness_text(const ClaimResult& result);
-/// The command that explains the witness and prints its numbers again; empty if there is none.
+/// The command that explains the witness and prints its numbers again; empty if no ray was kept.
 std::string witness_command(const Claim& claim, const ClaimResult& result);
 
 /// Texts that name what a claim is measured on.

@@ -35,7 +35,8 @@ bool is_as_fast(const Candidate& a, const Candidate& b) {
     return a.time.low_quartile <= b.time.high_quartile && b.time.low_quartile <= a.time.high_quartile;
 }
 
-/// Among the other candidates that are as fast as the fastest one (`is_as_fast`), the fastest; null if there is none.
+/// Among the other candidates that are as fast as the fastest one (`is_as_fast`), the fastest; null if no other
+/// candidate is as fast.
 const Candidate* find_rival(const Candidate& fastest, const std::vector<Candidate>& candidates) {
     const Candidate* rival = nullptr;
     for (const Candidate& c : candidates) {
@@ -78,7 +79,7 @@ std::string decisions_phrase(const FormQuality& quality) {
         fraction < 0.001 ? fmt::format("{:.2g}", fraction * 100) : fmt::format("{:.3g}", fraction * 100));
 }
 
-/// Assumptions of the form about its rays and inputs; empty if there are none.
+/// Assumptions of the form about its rays and inputs; empty if the form assumes nothing.
 std::string assumptions_text(const intersect::Info& info) {
     std::string text;
     const auto add = [&text](const char* assumption) { text += (text.empty() ? "" : ", ") + std::string(assumption); };

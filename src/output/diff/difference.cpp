@@ -19,8 +19,8 @@ using file::CellValue;
 Tolerance parse_tolerance(const std::string& text) {
     const auto equals = text.rfind('=');
     if (equals == std::string::npos || equals == 0) {
-        throw InputError(
-            fmt::format("--allow {}: not a tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
+        throw InputError(fmt::format(
+            "--allow {}: is not a tolerance; write COLUMN=ABS or COLUMN=ABS,REL, as in lost_bits=0.5", text));
     }
     const std::string numbers = text.substr(equals + 1);
     const auto comma = numbers.find(',');

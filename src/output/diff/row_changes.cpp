@@ -80,7 +80,7 @@ bool is_wrong_decision(const std::string& name) {
     });
 }
 
-/// Number in a column of a row; NaN if there is none.
+/// Number in a column of a row; NaN if the cell has no number.
 double number_in_column(const CsvTable& table, std::size_t row_index, std::string_view name) {
     const CsvColumn* const column = table.find(name);
     return column == nullptr ? std::nan("") : cell_number(column->cells[row_index]);

@@ -100,7 +100,7 @@ CsvWriter::CsvWriter(const std::filesystem::path& path, std::vector<Column> colu
     for (const auto& column : columns_) {
         if (column.type != "string" && column.type != "integer" && column.type != "number" &&
             column.type != "boolean") {
-            throw std::logic_error("column " + column.name + ": unknown type '" + column.type + "'");
+            throw std::logic_error("column " + column.name + ": unknown type \"" + column.type + "\"");
         }
         if (!names.insert(column.name).second) {
             throw std::logic_error("column " + column.name + " appears twice");
@@ -128,7 +128,7 @@ CsvWriter& CsvWriter::add(const Cell& cell) {
     const Column& column = columns_[filled_cells_];
     if (!cell.fits(column.type)) {
         throw std::logic_error(name() + ": column " + column.name + " is of type " + column.type +
-                               " and cannot hold '" + cell.text() + "'");
+                               " and cannot hold \"" + cell.text() + "\"");
     }
     if (receive_cell_) receive_cell_(filled_cells_++, cell);
     else append_field(cell.text());

@@ -21,7 +21,7 @@ namespace lostbits::output::file {
 struct Column {
     std::string name;     ///< `snake_case_unit`, unique in its file
     std::string type;     ///< `string`, `integer`, `number` or `boolean`
-    std::string unit;     ///< `bits`, `ulp`, `ns`, ...; empty when there is none
+    std::string unit;     ///< `bits`, `ulp`, `ns`, ...; empty if the numbers have no unit
     std::string meaning;  ///< one sentence
 };
 

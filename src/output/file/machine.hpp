@@ -17,7 +17,8 @@
 
 namespace lostbits::output::file {
 
-/// Returns the number after a key such as `MemAvailable:` in a file of /proc or /sys; `fallback` if there is none.
+/// Returns the number after a key such as `MemAvailable:` in a file of /proc or /sys; `fallback` if the file lacks the
+/// key.
 inline std::uint64_t number_after(const char* path, const std::string& key, std::uint64_t fallback) {
     std::ifstream in(path);
     for (std::string word; in >> word;) {

@@ -27,7 +27,7 @@ struct CsvTable {
 
     [[nodiscard]] std::size_t rows() const { return lines.size(); }
 
-    /// The column of this name; null if there is none.
+    /// The column of this name; null if the file has no such column.
     [[nodiscard]] const CsvColumn* find(std::string_view name) const;
 };
 

@@ -112,7 +112,7 @@ struct ExrImage {
     std::vector<ExrChannel> channels;
     std::vector<std::pair<std::string, std::string>> attributes;  ///< the string attributes, sorted by name
 
-    /// The channel of that name; null if there is none.
+    /// The channel of that name; null if the image has no such channel.
     [[nodiscard]] const ExrChannel* find(std::string_view name) const;
 };
 

@@ -175,8 +175,8 @@ public:
     std::vector<Rgb8> ramp(std::string_view name, int steps) override {
         static constexpr std::string_view ramp_names[] = {"viridis", "inferno", "magma", "plasma", "turbo"};
         if (std::find(std::begin(ramp_names), std::end(ramp_names), name) == std::end(ramp_names)) {
-            throw InputError("unknown colour ramp '" + std::string(name) +
-                             "'; try viridis, inferno, magma, plasma or turbo");
+            throw InputError("unknown colour ramp \"" + std::string(name) +
+                             "\"; try viridis, inferno, magma, plasma or turbo");
         }
         if (steps < 2) throw std::logic_error("a colour ramp of fewer than two steps");
 

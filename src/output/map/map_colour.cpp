@@ -43,7 +43,7 @@ ColourScale metric_scale(const Metric& metric, const FloatFormat& format, const 
 
 namespace {
 
-/// The precision of all rows, in bits; 0 if they differ or there are none.
+/// The precision of all rows, in bits; 0 if they differ or there is no row.
 int common_precision(std::span<const TestedForm> tested_forms) {
     const int first_precision = tested_forms.empty() ? 0 : tested_forms.front().format.parameters.precision;
     const auto has_first_precision = [first_precision](const TestedForm& tested_form) {

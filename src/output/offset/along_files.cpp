@@ -76,7 +76,7 @@ void OffsetsAlongAxisWriter::plot_wrong(std::size_t form_index, Side side) const
 
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
-        "shares are of the points that the form finds; there is none if it misses or names another primitive"};
+        "shares are of the points that the form finds; it finds no point if it misses or names another primitive"};
     image::save_figure(picture_path(form_index, side, "wrong"), plot::line_plot(spec));
 }
 

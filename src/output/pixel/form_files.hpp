@@ -88,7 +88,7 @@ public:
         if (table_) table_->add_lines(piece.lines);
     }
 
-    /// Table of the pixels; null if there is none.
+    /// Table of the pixels; null if the run writes no such table.
     [[nodiscard]] std::unique_ptr<table::TableFile<Pixel>>& table() { return table_; }
 
 private:

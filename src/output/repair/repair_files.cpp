@@ -218,7 +218,7 @@ Table<FormRow> form_table() {
 
     // The form, and what was changed in it.
     table.add(table::subject_columns("form", "of its inputs and answers"), &R::tested_form);
-    table.add({{"wider", "format of the wider operations; missing if there are none", &R::wider_format},
+    table.add({{"wider", "format of the wider operations; missing if no operation is wider", &R::wider_format},
                {"wider_operations", "number of its operations that are done wider; missing for the catalogue",
                 [](const R& r) { return when(r.operations != 0, r.wider_operations); }},
                {"operations", "number of its rounding operations; missing for the catalogue",
@@ -366,15 +366,15 @@ FormTexts make_texts(const RepairSummary& summary, const Proposal& proposal, con
             .is_binary32_only = repair.wider == binary64 && (!proposal.rewritten || proposal.rewritten->wider_set)};
 }
 
-/// The patch of proposal `k` for --emit. Throws InputError if there is none.
+/// The patch of proposal `k` for --emit. Throws InputError if no patch can be written.
 std::string emitted_patch(const RepairSummary& summary, std::size_t k, const std::filesystem::path& file) {
     if (summary.patches.empty())
         throw InputError(fmt::format("--emit {}: {} is not a function of --function; write .hpp or .glsl",
                                      file.string(), summary.request.tested_form.form->info->name));
     const auto& patch = summary.patches[k];
     if (patch.diff.empty())
-        throw InputError(
-            fmt::format("--emit {}: there is no patch of {}: {}; write .hpp", file.string(), patch.file, patch.reason));
+        throw InputError(fmt::format("--emit {}: cannot write a patch of {}: {}; write .hpp", file.string(), patch.file,
+                                     patch.reason));
     return patch.diff;
 }
 

@@ -63,7 +63,7 @@ std::string summary_table_head(const std::vector<ShownColumn>& count_columns) {
     return begin_table(names);
 }
 
-/// Cell with a link to the pixel of the worst ray; a dash if there is none.
+/// Cell with a link to the pixel of the worst ray; a dash if every ray is a correct miss.
 std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s) {
     const measure::evaluate::WorstRay* const worst = s.worst_ray();
     if (worst == nullptr) return "<td>&ndash;</td>";

@@ -106,7 +106,7 @@ Table<Onset> onset_table(const SweepRequest& request) {
          // the values at which it ends
          {"recovers", "true if a step after the first bad one is good again", &R::recovers},
          {"last_good_after_" + axis.name, axis.unit,
-          "the last good value after the first bad one; missing if there is none", last_good_after},
+          "the last good value after the first bad one; missing if no later value is good", last_good_after},
          {"bad_again_" + axis.name, axis.unit,
           "value from which it is bad to the end, narrowed by bisection; missing if the last step is good", bad_again},
          {"last_good_after_hex", axis.unit, "that last good value, exactly", exact(last_good_after)},

@@ -109,7 +109,7 @@ public:
                     [value = column.value](const R& row) { return hex_text(value(row)); }});
     }
 
-    /// The column of this name; null if there is none.
+    /// The column of this name; null if the table has no such column.
     [[nodiscard]] TableColumn<R>* find(const std::string& name) {
         const auto has_name = [&name](const TableColumn<R>& column) { return column.about.name == name; };
         const auto column = std::ranges::find_if(columns_, has_name);

@@ -390,7 +390,8 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
         throw InputError(no_file + ", and no scene \"" + name + "\" in " + (data_dir / "scenes").string() +
                          (hint.empty() ? "" : "; " + hint));
     throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() +
-                     (hint.empty() ? "" : "; " + hint) + " (a path to a .toml file works too)");
+                     (hint.empty() ? "" : "; " + hint) +
+                     " (a path to a .toml file works too; `lostbits list scenes` lists all names)");
 }
 
 }  // namespace lostbits::scene::file

@@ -68,8 +68,8 @@ Vec<Real> middle_of_mesh(const Scene& scene) {
     return middle_of(at_vertex(scene, middle));
 }
 
-/// Applies a change to the matrix of the meshes or, if there is none, to the vertices. The results are rounded to
-/// doubles.
+/// Applies a change to the matrix of the meshes or, if the scene has no matrix for them, to the vertices. The results
+/// are rounded to doubles.
 template <class Change>
 void change_mesh(Scene& scene, const Change& change) {
     if (!scene.mesh) return;

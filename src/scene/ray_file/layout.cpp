@@ -61,7 +61,7 @@ std::string to_lower_case(std::string_view name) {
     return lower;
 }
 
-/// Finds a known name; null if there is none. If several shapes have the name, `shape` is preferred.
+/// Finds a known name; null if no such name is known. If several shapes have the name, `shape` is preferred.
 const KnownName* find_known_name(std::string_view name, std::optional<Shape> shape) {
     const auto has_name_for_shape = [&](const KnownName& known) {
         return known.name == name && (!known.shape || known.shape == shape);

@@ -63,7 +63,7 @@ std::unique_ptr<RayFile> open_ray_file(const std::filesystem::path& path, const 
         if (container == Container::raw && options.columns.empty())
             throw InputError(
                 path.string() +
-                ": not a known kind of file; use .csv or .npy, --columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32 for "
+                ": is not a known kind of file; use .csv or .npy, --columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32 for "
                 "raw numbers, or --container csv");
     }
     if (options.skip > 0 && container != Container::raw)

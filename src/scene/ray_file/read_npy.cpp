@@ -40,7 +40,7 @@ public:
         return true;
     }
     void require(char c) {
-        if (!skip_if(c)) fail(fmt::format("'{}' is expected", c));
+        if (!skip_if(c)) fail(fmt::format("\"{}\" is expected", c));
     }
     [[nodiscard]] bool next_is(char c) {
         skip_blanks();
@@ -73,7 +73,7 @@ public:
         require('(');
         while (!skip_if(')')) {
             values.push_back(number());
-            if (!skip_if(',') && !next_is(')')) fail("')' is expected");
+            if (!skip_if(',') && !next_is(')')) fail("\")\" is expected");
         }
         return values;
     }
@@ -87,12 +87,12 @@ public:
             field.name = string();
             require(',');
             if (next_is('['))
-                fail("field '" + field.name + "' is a record itself; write its numbers as fields of the array");
+                fail("field \"" + field.name + "\" is a record itself; write its numbers as fields of the array");
             field.type = string();
             if (skip_if(',') && !next_is(')')) field.shape = shape();
             static_cast<void>(skip_if(','));
             require(')');
-            if (!skip_if(',') && !next_is(']')) fail("']' is expected");
+            if (!skip_if(',') && !next_is(']')) fail("\"]\" is expected");
         }
         return values;
     }
@@ -145,11 +145,11 @@ NpyHeader read_npy_header(std::string_view text, const std::string& error_start)
             has_shape = true;
             header.shape = parser.shape();
         } else {
-            parser.fail("'" + key + "' is not a key of such a header");
+            parser.fail("\"" + key + "\" is not a key of such a header");
         }
 
         // The last entry may end with a comma, as numpy writes it.
-        if (!parser.skip_if(',') && !parser.next_is('}')) parser.fail("'}' is expected");
+        if (!parser.skip_if(',') && !parser.next_is('}')) parser.fail("\"}\" is expected");
     }
     if (!has_descr || !has_order || !has_shape) parser.fail("descr, fortran_order or shape is missing");
     return header;
@@ -201,9 +201,9 @@ ItemType parse_item_type(const std::string& type_name, const std::string& name, 
     const auto type = find_item_type(type_name);
     if (type && std::string_view("<>|=").find(type_name.front()) != std::string_view::npos) return *type;
     throw InputError(
-        fmt::format("{}: {}is of type '{}'; only floats of 2, 4 or 8 bytes, integers and booleans are supported; "
+        fmt::format("{}: {}is of type \"{}\"; only floats of 2, 4 or 8 bytes, integers and booleans are supported; "
                     "convert it with astype('<f4') or astype('<f8')",
-                    file, name.empty() ? "" : "field '" + name + "' ", type_name));
+                    file, name.empty() ? "" : "field \"" + name + "\" ", type_name));
 }
 
 constexpr std::uint64_t max_record_bytes = std::uint64_t{1} << 20;
@@ -229,7 +229,7 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
     const std::uint64_t count = product(field.shape);
     if (count > 4096)
         throw InputError(
-            fmt::format("{}: field '{}' has {} numbers; at most 4096 are supported", file, field.name, count));
+            fmt::format("{}: field \"{}\" has {} numbers; at most 4096 are supported", file, field.name, count));
     const std::uint64_t begin = offset;
     advance_offset(type.size, count);
 

@@ -104,7 +104,7 @@ public:
         if (flake_and_mesh_.mesh) flake_and_mesh_.mesh->prefetch(primitives, first_of_mesh());
     }
     [[nodiscard]] const FlakeAndMesh& flake_and_mesh() const { return flake_and_mesh_; }
-    /// The triangles of meshes; null if there are none.
+    /// The triangles of meshes; null if the scene has no mesh.
     [[nodiscard]] const MeshColumns* mesh() const { return flake_and_mesh_.mesh.get(); }
     /// Index of the first triangle.
     [[nodiscard]] std::size_t first_of_mesh() const {

@@ -9,7 +9,7 @@
 
 namespace lostbits::scene::rays {
 
-/// The triangles of meshes, which are the last of `stored_primitives`; null if there are none.
+/// The triangles of meshes, which are the last of `stored_primitives`; null if the scene has no mesh.
 inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
     if (!scene.mesh || scene.inputs == file::Inputs::shared) return shared_mesh(scene);
     const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };

@@ -373,8 +373,8 @@ std::filesystem::path find_sweep(const std::string& name_or_path, const std::fil
     if (const std::string hint_text = toml::suggest_file(name_or_path); !hint_text.empty())
         throw InputError(name_or_path + ": no such file; " + hint_text);
     const std::string hint = text::did_you_mean(std::filesystem::path(name_or_path).stem().string(), names);
-    throw InputError(name_or_path + ": is neither a file nor the name of a sweep in " + folder.string() +
-                     (hint.empty() ? "; check the path" : "; " + hint));
+    throw InputError("no sweep \"" + name_or_path + "\" in " + folder.string() + (hint.empty() ? "" : "; " + hint) +
+                     " (a path to a .toml file works too; `lostbits list sweeps` lists all names)");
 }
 
 }  // namespace lostbits::scene::sweep

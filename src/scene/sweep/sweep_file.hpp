@@ -70,7 +70,7 @@ public:
     [[nodiscard]] const std::vector<Shape>& shapes() const { return shapes_; }
     [[nodiscard]] bool has_mesh() const { return has_mesh_; }
 
-    /// The path of the sweep's scene; empty if there is none.
+    /// The path of the sweep's scene; empty if the sweep draws its rays at random.
     [[nodiscard]] std::filesystem::path scene_path() const { return scene_ ? scene_->path() : std::filesystem::path(); }
     /// True if the rays are random: rays of a ray distribution are, rays of a scene are not.
     [[nodiscard]] bool has_random_rays() const { return !scene_; }

@@ -22,7 +22,8 @@ std::vector<Claim> all_claims() {
     return all;
 }
 
-/// The first word of a sentence that speaks of all cases ("never", "at most"); empty where there is none.
+/// The first word of a sentence that speaks of all cases ("never", "at most"); empty where the sentence has no such
+/// word.
 std::string universal_word(const std::string& statement) {
     static const std::regex word(
         R"(\b(sound|never|always|every|everywhere|none|nothing|no|cannot|any|all|at most|at least)\b)",

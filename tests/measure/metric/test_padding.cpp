@@ -39,7 +39,7 @@ struct Fraction {
 };
 
 struct Ends {
-    Fraction last_exit, first_entry;  ///< of rays whose computed tmax and tmin are given; d = 0: there is none
+    Fraction last_exit, first_entry;  ///< of rays whose computed tmax and tmin are given; d = 0: no ray has them
 };
 
 Ends ends_of(std::uint64_t tmax, std::uint64_t tmin, std::uint64_t reach) {

@@ -24,7 +24,7 @@ using namespace lostbits::output::test;
 
 namespace {
 
-/// The message of the EnvironmentError that ends `work`; empty if there is none.
+/// The message of the EnvironmentError that ends `work`; empty if the work ends without one.
 template <class Work>
 std::string refusal(Work work) {
     try {

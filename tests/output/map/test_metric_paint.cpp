@@ -195,7 +195,7 @@ TEST_CASE("shares of culprits are of the rays that have a culprit, and the pictu
     REQUIRE(legend.size() == 4);
     CHECK(legend[0].count == "150 (75.0%)");
     CHECK(legend[1].count == "50 (25.0%)");
-    CHECK(legend[2].count == "100");  // a share of another whole, so there is none
+    CHECK(legend[2].count == "100");  // a share of another whole, so no share is shown
     CHECK(legend[3].count == "700");
     CHECK(has_word(paint.note(), "of the rays that have a culprit"));
 }

@@ -78,7 +78,7 @@ TEST_CASE("a line of an OBJ file continues after a backslash at its end", "[mesh
     CHECK(error_of_file("a.obj", corners + "f 1 2\\3 4\n") ==
           "a.obj:5:5: the corner \"2\\3\" is not the number of a vertex");
     CHECK(error_of_file("a.obj", corners + "f 1 2 3 \\") ==
-          "a.obj:5:9: continues on the next line, and there is none; was it cut short?");
+          "a.obj:5:9: continues on the next line, but the file ends here; was it cut short?");
     for (const char* const above : {"v 1 2 3 \\", "# in C:\\meshes\\", "usemtl a\\"})
         CHECK(error_of_file("a.obj", corners + above + "\nv 7 7 7\nf 1 2 3\n")
                   .starts_with("a.obj:6:1: \"v\" begins a line that continues the one above"));

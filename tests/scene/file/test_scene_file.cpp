@@ -118,7 +118,8 @@ TEST_CASE("a scene is found by path, id or id and variant") {
     fs::current_path(before);
     const std::string folder = (data.path() / "scenes").string();
     CHECK(error_of([&] { find_scene("neer", data.path()); }) ==
-          "no scene \"neer\" in " + folder + "; did you mean \"near\"? (a path to a .toml file works too)");
+          "no scene \"neer\" in " + folder +
+              "; did you mean \"near\"? (a path to a .toml file works too; `lostbits list scenes` lists all names)");
     CHECK(has(error_of([&] { find_scene("neer.big", data.path()); }), "did you mean \"near\"?"));
     CHECK(has(error_of([&] { find_scene("zzzzzz", data.path()); }), "known here: \"far-2.5\", \"near\""));
 }

@@ -184,9 +184,7 @@ TEST_CASE("a sweep is named by its path below data/sweeps, or by its file name i
     fs::create_directory(data.path() / "folder.toml");
     CHECK(has(error_of([&] { find_sweep((data.path() / "folder.toml").string(), data.path()); }), "is a folder"));
     CHECK(has(error_of([&] { find_sweep("both", data.path()); }), "\"a/both\""));
-    CHECK(error_of([&] {
-              find_sweep("nar", data.path());
-          }).starts_with("nar: is neither a file nor the name of a sweep"));
+    CHECK(error_of([&] { find_sweep("nar", data.path()); }).starts_with("no sweep \"nar\" in "));
 }
 
 TEST_CASE("a sweep redrawn has other rays at the same positions, and one over a scene has none to redraw") {

@@ -175,7 +175,8 @@ function showPickers(element, ...pickers) {
 }
 
 /**
- * Names for a picker: the title, or the file's name if there is none. Equal titles are told apart by their file names.
+ * Names for a picker: the title, or the file's name if the title is empty. Equal titles are told apart by their file
+ * names.
  */
 const titled = (parts) => parts.map(
     ({

@@ -37,7 +37,7 @@ public:
         indent_ = std::min(line_.find_first_not_of(" \t"), line_.size());
         return true;
     }
-    /// Goes to the line on which the statement continues. Returns false if there is none.
+    /// Goes to the line on which the statement continues. Returns false if it does not continue, or the file ends.
     bool next_continuation() { return std::exchange(continues_, false) && read_line(); }
     /// Returns the next word of the statement; empty at its end.
     std::string_view word() {
@@ -47,7 +47,8 @@ public:
             if (word_end_ > word_start_ || !continues_) return line_.substr(word_start_, word_end_ - word_start_);
             const std::string word_position = position();
             if (!next_continuation())
-                throw InputError(word_position + ": continues on the next line, and there is none; was it cut short?");
+                throw InputError(word_position +
+                                 ": continues on the next line, but the file ends here; was it cut short?");
         }
     }
     /// Reads the next word as a number of type T, rounded once. Errors call it `number_name`.
