@@ -7,31 +7,32 @@
 #include <string>
 
 #include <lostbits_widths.hpp>  // generated: the widths of this build
-#include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_target.hpp"
+#include "intersect/table/fill_forms.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::simd {
 
 namespace {
 
-constexpr std::size_t forms = form_count;
-
 constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
 
-/// The rows for one register width. `fill` was compiled for that width, so call it only on a machine that has the
-/// width.
-struct RowsOfWidth {
-    std::array<RegisterKernels, forms> packs;
-    std::array<PackedRow, forms> rows;
+/// Fills the rows of a part of the catalogue for one register width; returns the place after the last.
+using FillRows = RawRow* (*)(RawRow*);
 
-    RowsOfWidth(Isa isa, void (*fill)(RawRow*)) {
-        std::array<RawRow, forms> raw{};
-        fill(raw.data());
-        for (std::size_t i = 0; i < forms; ++i) {
-            packs[i] = {raw[i], bytes_of(isa)};
-            rows[i] = {table::catalogue()[i].info, packs[i].f32.table_kernel(), packs[i].f64.table_kernel()};
-        }
+/// The rows for one register width. The functions were compiled for that width, so call them only on a machine that has
+/// the width.
+struct RowsOfWidth {
+    std::vector<RegisterKernels> packs;
+    std::vector<PackedRow> rows;
+
+    RowsOfWidth(Isa isa, FillRows fill_first, FillRows fill_second) {
+        const auto forms = table::catalogue();
+        std::vector<RawRow> raw(forms.size());
+        fill_second(fill_first(raw.data()));
+        for (const RawRow& row : raw) packs.emplace_back(row, bytes_of(isa));
+        for (std::size_t i = 0; i < forms.size(); ++i)
+            rows.emplace_back(forms[i].info, packs[i].f32.table_kernel(), packs[i].f64.table_kernel());
     }
     RowsOfWidth(const RowsOfWidth&) = delete;
     RowsOfWidth& operator=(const RowsOfWidth&) = delete;
@@ -39,10 +40,9 @@ struct RowsOfWidth {
 
 std::span<const PackedRow> scalar_rows() {
     static const auto rows = [] {
-        std::array<PackedRow, forms> filled{};
-        std::ranges::transform(table::catalogue(), filled.begin(), [](const table::Intersector& i) {
-            return PackedRow{i.info, i.native32, i.native64};
-        });
+        std::vector<PackedRow> filled;
+        for (const table::Intersector& form : table::catalogue())
+            filled.emplace_back(form.info, form.native32, form.native64);
         return filled;
     }();
     return rows;
@@ -112,18 +112,18 @@ std::span<const PackedRow> packed_rows(Isa isa) {
     if (isa == Isa::scalar) return scalar_rows();
 #ifdef LOSTBITS_HAS_W256
     if (isa == Isa::w256) {
-        static RowsOfWidth w256(isa, fill_packed_w256);
+        static RowsOfWidth w256(isa, fill_packed_w256<FirstForms>, fill_packed_w256<SecondForms>);
         return w256.rows;
     }
 #endif
 #ifdef LOSTBITS_HAS_W512
     if (isa == Isa::w512) {
-        static RowsOfWidth w512(isa, fill_packed_w512);
+        static RowsOfWidth w512(isa, fill_packed_w512<FirstForms>, fill_packed_w512<SecondForms>);
         return w512.rows;
     }
 #endif
 #ifdef LOSTBITS_HAS_W128
-    static RowsOfWidth w128(Isa::w128, fill_packed_w128);
+    static RowsOfWidth w128(Isa::w128, fill_packed_w128<FirstForms>, fill_packed_w128<SecondForms>);
     return w128.rows;
 #else
     return {};

@@ -54,14 +54,21 @@ struct RawRow {
     void (*f64)(const RawBatch<double>&);
 };
 
-/// One function for each register width, each in its own object file. It fills a row for each form, in the order of the
-/// catalogue.
-void fill_packed_w128(RawRow* rows);
-void fill_packed_w256(RawRow* rows);
-void fill_packed_w512(RawRow* rows);
+/// One function for each register width and each part of the catalogue (`FirstForms`, `SecondForms`), each in its own
+/// object file. It fills a row for each form of the part, in the order of the catalogue, and returns the place after
+/// the last.
+template <class Forms>
+RawRow* fill_packed_w128(RawRow* rows);
+template <class Forms>
+RawRow* fill_packed_w256(RawRow* rows);
+template <class Forms>
+RawRow* fill_packed_w512(RawRow* rows);
 /// The same functions for many primitives.
-void fill_many_w128(RawManyRow* rows);
-void fill_many_w256(RawManyRow* rows);
-void fill_many_w512(RawManyRow* rows);
+template <class Forms>
+RawManyRow* fill_many_w128(RawManyRow* rows);
+template <class Forms>
+RawManyRow* fill_many_w256(RawManyRow* rows);
+template <class Forms>
+RawManyRow* fill_many_w512(RawManyRow* rows);
 
 }  // namespace lostbits::intersect::simd
