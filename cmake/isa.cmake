@@ -22,9 +22,9 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
     list(APPEND LOSTBITS_ISAS w256 w512)
 endif()
 
-# Compiling the forms over packs takes a minute per width, and a run uses only one width. A build for this machine needs
-# only the widest that it has. Packages and tests need all.
-set(LOSTBITS_PACK_WIDTHS all CACHE STRING "Register widths of the forms over packs: all, or machine (the widest here)")
+# Compiling the code over packs takes half a minute per width, and a run uses only one width. A build for this machine
+# needs only the widest that it has. Packages and tests need all.
+set(LOSTBITS_PACK_WIDTHS all CACHE STRING "Register widths of code over packs: all, or machine (the widest here)")
 set(LOSTBITS_PACK_ISAS ${LOSTBITS_ISAS})
 if(LOSTBITS_PACK_WIDTHS STREQUAL "machine" AND EXISTS /proc/cpuinfo)
     file(STRINGS /proc/cpuinfo flags REGEX "^flags" LIMIT_COUNT 1)

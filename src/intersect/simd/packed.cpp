@@ -6,7 +6,7 @@
 #include <deque>
 #include <string>
 
-#include <lostbits_widths.hpp>  // generated: the widths of this build
+#include "intersect/simd/of_width.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/table/fill_forms.hpp"
 #include "number/error.hpp"
@@ -15,18 +15,13 @@ namespace lostbits::intersect::simd {
 
 namespace {
 
-constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
-
-/// Fills the rows of a part of the catalogue for one register width; returns the place after the last.
-using FillRows = RawRow* (*)(RawRow*);
-
 /// The rows for one register width. The functions were compiled for that width, so call them only on a machine that has
 /// the width.
 struct RowsOfWidth {
     std::vector<RegisterKernels> packs;
     std::vector<PackedRow> rows;
 
-    RowsOfWidth(Isa isa, FillRows fill_first, FillRows fill_second) {
+    RowsOfWidth(Isa isa, RawRow* (*fill_first)(RawRow*), RawRow* (*fill_second)(RawRow*)) {
         const auto forms = table::catalogue();
         std::vector<RawRow> raw(forms.size());
         fill_second(fill_first(raw.data()));
@@ -107,27 +102,26 @@ void set_isa(Isa isa) {
 
 Isa current_isa() { return chosen_isa(); }
 
+Isa register_isa(Isa isa) {
+    if (isa != Isa::scalar) return isa;
+    static const std::vector<Isa> available = available_isas();
+    if (available.size() < 2)
+        throw EnvironmentError(
+            "this build has code only for registers that this processor lacks; configure the build with "
+            "-DLOSTBITS_PACK_WIDTHS=all");
+    return available[1];
+}
+
 std::span<const PackedRow> packed_rows(Isa isa) {
     if (!is_available(isa)) return {};
     if (isa == Isa::scalar) return scalar_rows();
-#ifdef LOSTBITS_HAS_W256
-    if (isa == Isa::w256) {
-        static RowsOfWidth w256(isa, fill_packed_w256<FirstForms>, fill_packed_w256<SecondForms>);
-        return w256.rows;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W512
-    if (isa == Isa::w512) {
-        static RowsOfWidth w512(isa, fill_packed_w512<FirstForms>, fill_packed_w512<SecondForms>);
-        return w512.rows;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W128
-    static RowsOfWidth w128(Isa::w128, fill_packed_w128<FirstForms>, fill_packed_w128<SecondForms>);
-    return w128.rows;
-#else
-    return {};
-#endif
+    using Fill = RawRow*(RawRow*);
+    static constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_packed, <FirstForms>);
+    static constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_packed, <SecondForms>);
+    return with_width(isa, []<Isa width>() -> std::span<const PackedRow> {
+        static const RowsOfWidth of_width(width, fill_first.at(width), fill_second.at(width));
+        return of_width.rows;
+    });
 }
 
 namespace {
@@ -181,13 +175,8 @@ PackedRow set_kernels_at(const table::Intersector& set) {
 }
 
 PackedRow kernels_of_set(const table::Intersector& set, Isa isa) {
-    switch (isa) {
-        case Isa::w128: return set_kernels_at<Isa::w128>(set);
-        case Isa::w256: return set_kernels_at<Isa::w256>(set);
-        case Isa::w512: return set_kernels_at<Isa::w512>(set);
-        case Isa::scalar: break;
-    }
-    return native_kernels(set);
+    if (isa == Isa::scalar) return native_kernels(set);
+    return with_width(isa, [&set]<Isa width>() { return set_kernels_at<width>(set); });
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include <lostbits_widths.hpp>  // generated: the widths of this build
+#include "intersect/simd/of_width.hpp"
 #include "intersect/simd/packed_target.hpp"
 #include "intersect/table/fill_forms.hpp"
 
@@ -57,18 +57,16 @@ std::span<const ManyRow> scalar_many_rows() {
     return rows;
 }
 
-/// Fills the rows of a part of the catalogue for one register width; returns the place after the last.
-using FillManyRows = RawManyRow* (*)(RawManyRow*);
-
-/// The rows for registers of this many bytes. The functions were compiled for that width.
-std::vector<ManyRow> rows_for_width(std::size_t bytes, FillManyRows fill_first, FillManyRows fill_second) {
+/// The rows for a register width. The functions were compiled for that width.
+std::vector<ManyRow> rows_for_width(Isa isa, RawManyRow* (*fill_first)(RawManyRow*),
+                                    RawManyRow* (*fill_second)(RawManyRow*)) {
     const auto scalar = scalar_many_rows();
     std::vector<RawManyRow> raw(scalar.size());
     fill_second(fill_first(raw.data()));
     std::vector<ManyRow> rows(scalar.begin(), scalar.end());
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes / sizeof(float)};
-        if (rows[i].f64) rows[i].f64 = {raw[i].f64, bytes / sizeof(double)};
+        if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes_of(isa) / sizeof(float)};
+        if (rows[i].f64) rows[i].f64 = {raw[i].f64, bytes_of(isa) / sizeof(double)};
     }
     return rows;
 }
@@ -100,24 +98,13 @@ ManyRow many_kernels(const table::Intersector& form) {
 std::span<const ManyRow> many_rows(Isa isa) {
     if (packed_rows(isa).empty()) return {};
     if (isa == Isa::scalar) return scalar_many_rows();
-#ifdef LOSTBITS_HAS_W256
-    if (isa == Isa::w256) {
-        static const auto w256 = rows_for_width(32, fill_many_w256<FirstForms>, fill_many_w256<SecondForms>);
-        return w256;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W512
-    if (isa == Isa::w512) {
-        static const auto w512 = rows_for_width(64, fill_many_w512<FirstForms>, fill_many_w512<SecondForms>);
-        return w512;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W128
-    static const auto w128 = rows_for_width(16, fill_many_w128<FirstForms>, fill_many_w128<SecondForms>);
-    return w128;
-#else
-    return {};
-#endif
+    using Fill = RawManyRow*(RawManyRow*);
+    static constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_many, <FirstForms>);
+    static constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_many, <SecondForms>);
+    return with_width(isa, []<Isa width>() -> std::span<const ManyRow> {
+        static const auto rows = rows_for_width(width, fill_first.at(width), fill_second.at(width));
+        return rows;
+    });
 }
 
 }  // namespace lostbits::intersect::simd
