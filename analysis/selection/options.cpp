@@ -146,7 +146,8 @@ std::optional<output::map::BarRange> parse_range(const std::string& text,
     if (text.empty()) return std::nullopt;
     const std::size_t colon = text.find(':');
     const auto lo = parse_finite(std::string_view(text).substr(0, colon));
-    const auto hi = colon == std::string::npos ? std::nullopt : parse_finite(std::string_view(text).substr(colon + 1));
+    const std::string_view last = colon == std::string::npos ? "" : std::string_view(text).substr(colon + 1);
+    const auto hi = parse_finite(last);
     if (!lo || !hi || !(*lo < *hi))
         throw InputError(fmt::format(
             "--range {} is not a range; write its ends in the unit of the metric, the lower one first, like 0:24",

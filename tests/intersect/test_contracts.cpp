@@ -24,7 +24,7 @@ struct FormFacts {
 
 std::vector<FormFacts> facts_of_catalogue() {
     std::vector<FormFacts> facts;
-    intersect::for_each_form([&facts]<class Form>() {
+    intersect::AllForms::for_each([&facts]<class Form>() {
         facts.push_back({&Form::info, intersect::shape_of<Form>, intersect::marches<Form>});
     });
     return facts;

@@ -39,7 +39,7 @@ int main() {
     const HalfSpace<double> half{{0, 0, 3}, {0, 0, -2}};
     const Primitive<double> primitive(half);
     std::printf("%s of %zu numbers, last %g\n", name_of(primitive.shape).data(), primitive.shape_numbers().size(), primitive.shape_numbers().back());
-    intersect::for_each_form([&]<class Form>() {
+    intersect::AllForms::for_each([&]<class Form>() {
         if constexpr (intersect::shape_of<Form> == Shape::half_space)
             std::printf("%s hits at %g\n", Form::info.name.data(),
                         intersect::intersect_primitive<Form>(Ray<double>{{0, 1, 1}, {0, 0, 0.5}}, half, 0.0).t);

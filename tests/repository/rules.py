@@ -92,7 +92,7 @@ def include_directions(path, text, rooms):
     for line, bracket, name in includes_of(text):
         room = name.rpartition("/")[0]
         # The catalogue is the closed list of forms. Only it may include headers of their rooms.
-        lists = path == "src/intersect/catalogue.hpp" and (room.startswith("intersect/") or room.endswith("/forms"))
+        lists = path.startswith("src/intersect/catalogue") and (room.startswith("intersect/") or room.endswith("/forms"))
         if room not in rooms:
             if bracket == '"' and not (own == PROGRAM and not room):
                 offences.append(f"{path}:{line}: includes {name}, which must be named from src/")

@@ -6,32 +6,29 @@
 #include <deque>
 #include <string>
 
-#include <lostbits_widths.hpp>  // generated: the widths of this build
-#include "intersect/catalogue.hpp"
+#include "intersect/simd/of_width.hpp"
 #include "intersect/simd/packed_target.hpp"
+#include "intersect/table/fill_forms.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::intersect::simd {
 
 namespace {
 
-constexpr std::size_t forms = form_count;
-
-constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
-
-/// The rows for one register width. `fill` was compiled for that width, so call it only on a machine that has the
-/// width.
+/// The rows for one register width. The functions were compiled for that width, so call them only on a machine that has
+/// the width.
 struct RowsOfWidth {
-    std::array<RegisterKernels, forms> packs;
-    std::array<PackedFormKernels, forms> rows;
+    std::vector<RegisterKernels> packs;
+    std::vector<PackedFormKernels> rows;
 
-    RowsOfWidth(Isa isa, void (*fill)(RawFormKernels*)) {
-        std::array<RawFormKernels, forms> raw{};
-        fill(raw.data());
-        for (std::size_t i = 0; i < forms; ++i) {
-            packs[i] = {raw[i], bytes_of(isa)};
-            rows[i] = {table::catalogue()[i].info, packs[i].f32.table_kernel(), packs[i].f64.table_kernel()};
-        }
+    RowsOfWidth(Isa isa, RawFormKernels* (*fill_first)(RawFormKernels*),
+                RawFormKernels* (*fill_second)(RawFormKernels*)) {
+        const auto forms = table::catalogue();
+        std::vector<RawFormKernels> raw(forms.size());
+        fill_second(fill_first(raw.data()));
+        for (const RawFormKernels& row : raw) packs.emplace_back(row, bytes_of(isa));
+        for (std::size_t i = 0; i < forms.size(); ++i)
+            rows.emplace_back(forms[i].info, packs[i].f32.table_kernel(), packs[i].f64.table_kernel());
     }
     RowsOfWidth(const RowsOfWidth&) = delete;
     RowsOfWidth& operator=(const RowsOfWidth&) = delete;
@@ -39,10 +36,9 @@ struct RowsOfWidth {
 
 std::span<const PackedFormKernels> scalar_rows() {
     static const auto rows = [] {
-        std::array<PackedFormKernels, forms> filled{};
-        std::ranges::transform(table::catalogue(), filled.begin(), [](const table::Intersector& i) {
-            return PackedFormKernels{i.info, i.native32, i.native64};
-        });
+        std::vector<PackedFormKernels> filled;
+        for (const table::Intersector& form : table::catalogue())
+            filled.emplace_back(form.info, form.native32, form.native64);
         return filled;
     }();
     return rows;
@@ -107,27 +103,26 @@ void set_isa(Isa isa) {
 
 Isa current_isa() { return chosen_isa(); }
 
+Isa register_isa(Isa isa) {
+    if (isa != Isa::scalar) return isa;
+    static const std::vector<Isa> available = available_isas();
+    if (available.size() < 2)
+        throw EnvironmentError(
+            "this build has code only for registers that this processor lacks; configure the build with "
+            "-DLOSTBITS_PACK_WIDTHS=all");
+    return available[1];
+}
+
 std::span<const PackedFormKernels> all_packed_kernels(Isa isa) {
     if (!is_available(isa)) return {};
     if (isa == Isa::scalar) return scalar_rows();
-#ifdef LOSTBITS_HAS_W256
-    if (isa == Isa::w256) {
-        static RowsOfWidth w256(isa, fill_packed_w256);
-        return w256.rows;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W512
-    if (isa == Isa::w512) {
-        static RowsOfWidth w512(isa, fill_packed_w512);
-        return w512.rows;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W128
-    static RowsOfWidth w128(Isa::w128, fill_packed_w128);
-    return w128.rows;
-#else
-    return {};
-#endif
+    using Fill = RawFormKernels*(RawFormKernels*);
+    static constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_packed, <FirstForms>);
+    static constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_packed, <SecondForms>);
+    return with_width(isa, []<Isa width>() -> std::span<const PackedFormKernels> {
+        static const RowsOfWidth of_width(width, fill_first.at(width), fill_second.at(width));
+        return of_width.rows;
+    });
 }
 
 namespace {
@@ -181,13 +176,8 @@ PackedFormKernels set_kernels_at(const table::Intersector& set) {
 }
 
 PackedFormKernels kernels_of_set(const table::Intersector& set, Isa isa) {
-    switch (isa) {
-        case Isa::w128: return set_kernels_at<Isa::w128>(set);
-        case Isa::w256: return set_kernels_at<Isa::w256>(set);
-        case Isa::w512: return set_kernels_at<Isa::w512>(set);
-        case Isa::scalar: break;
-    }
-    return native_kernels(set);
+    if (isa == Isa::scalar) return native_kernels(set);
+    return with_width(isa, [&set]<Isa width>() { return set_kernels_at<width>(set); });
 }
 
 }  // namespace

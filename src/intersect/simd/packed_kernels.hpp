@@ -1,14 +1,16 @@
-// Every form over packs; see packed_batch.hpp for what such a file may include.
+// A part of the forms over packs; see packed_batch.hpp for what such a file may include.
 #pragma once
 
-#include "intersect/catalogue.hpp"
 #include "intersect/simd/packed_batch.hpp"
+#include "number/width.hpp"
 
 namespace lostbits::intersect::simd {
 
-template <class Width>
-void fill_raw(RawFormKernels* row) {
-    for_each_form([&row]<class Form>() { *row++ = raw_form_kernels<Form, Width>(); });
+/// Fills the row of each form with its kernels; returns the place after the last.
+template <class Forms>
+RawFormKernels* LOSTBITS_WITH_WIDTH_SUFFIX(fill_packed)(RawFormKernels* row) {
+    Forms::for_each([&row]<class Form>() { *row++ = raw_form_kernels<Form, BuildRegisters>(); });
+    return row;
 }
 
 }  // namespace lostbits::intersect::simd

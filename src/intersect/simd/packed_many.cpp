@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
-#include <lostbits_widths.hpp>  // generated: the widths of this build
-#include "intersect/catalogue.hpp"
+#include "intersect/simd/of_width.hpp"
 #include "intersect/simd/packed_target.hpp"
-#include "intersect/table/kernels.hpp"
+#include "intersect/table/fill_forms.hpp"
 
 namespace lostbits::intersect::simd {
 namespace {
@@ -48,46 +47,26 @@ void run_primitives(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes, 
     if (all.size) kernel(all);
 }
 
-template <class Form, class F>
-void run_plain(const Ray<F>& ray, const PrimitiveArrays<F>& primitives, std::span<F> t, std::span<std::uint8_t> hit) {
-    for (std::size_t i = 0; i < primitives.size(); ++i) {
-        const auto number = [&primitives, i](std::size_t k) { return primitives.numbers[k][i]; };
-        const Hit<F> h = intersect_numbers<Form>(ray, number, t[i]);
-        if constexpr (takes_tmax(shape_of<Form>)) {
-            t[i] = h.hit ? h.t : t[i];
-        } else {
-            t[i] = h.t;
-            hit[i] = h.hit;
-        }
-    }
-}
-
 std::span<const ManyFormKernels> scalar_many_rows() {
     static const auto rows = [] {
-        std::array<ManyFormKernels, form_count> filled{};
-        std::size_t i = 0;
-        for_each_form([&]<class Form>() {
-            ManyFormKernels& row = filled[i++];
-            row.info = &Form::info;
-            row.takes_tmax = takes_tmax(shape_of<Form>);
-            if constexpr (!marches<Form>) row.f32 = run_plain<Form, float>;
-            if constexpr (has_many_kernels(shape_of<Form>) && Form::info.formats == Formats::all)
-                row.f64 = run_plain<Form, double>;
-        });
+        std::vector<ManyFormKernels> filled;
+        append_many_kernels<FirstForms>(filled);
+        append_many_kernels<SecondForms>(filled);
         return filled;
     }();
     return rows;
 }
 
-/// The rows for registers of this many bytes. `fill` was compiled for that width.
-std::array<ManyFormKernels, form_count> rows_for_width(std::size_t bytes, void (*fill)(RawManyFormKernels*)) {
-    std::array<RawManyFormKernels, form_count> raw{};
-    fill(raw.data());
-    std::array<ManyFormKernels, form_count> rows{};
-    for (std::size_t i = 0; i < form_count; ++i) {
-        rows[i] = scalar_many_rows()[i];
-        if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes / sizeof(float)};
-        if (rows[i].f64) rows[i].f64 = {raw[i].f64, bytes / sizeof(double)};
+/// The rows for a register width. The functions were compiled for that width.
+std::vector<ManyFormKernels> rows_for_width(Isa isa, RawManyFormKernels* (*fill_first)(RawManyFormKernels*),
+                                            RawManyFormKernels* (*fill_second)(RawManyFormKernels*)) {
+    const auto scalar = scalar_many_rows();
+    std::vector<RawManyFormKernels> raw(scalar.size());
+    fill_second(fill_first(raw.data()));
+    std::vector<ManyFormKernels> rows(scalar.begin(), scalar.end());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes_of(isa) / sizeof(float)};
+        if (rows[i].f64) rows[i].f64 = {raw[i].f64, bytes_of(isa) / sizeof(double)};
     }
     return rows;
 }
@@ -119,24 +98,13 @@ ManyFormKernels many_kernels(const table::Intersector& form) {
 std::span<const ManyFormKernels> all_many_kernels(Isa isa) {
     if (all_packed_kernels(isa).empty()) return {};
     if (isa == Isa::scalar) return scalar_many_rows();
-#ifdef LOSTBITS_HAS_W256
-    if (isa == Isa::w256) {
-        static const auto w256 = rows_for_width(32, fill_many_w256);
-        return w256;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W512
-    if (isa == Isa::w512) {
-        static const auto w512 = rows_for_width(64, fill_many_w512);
-        return w512;
-    }
-#endif
-#ifdef LOSTBITS_HAS_W128
-    static const auto w128 = rows_for_width(16, fill_many_w128);
-    return w128;
-#else
-    return {};
-#endif
+    using Fill = RawManyFormKernels*(RawManyFormKernels*);
+    static constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_many, <FirstForms>);
+    static constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_many, <SecondForms>);
+    return with_width(isa, []<Isa width>() -> std::span<const ManyFormKernels> {
+        static const auto rows = rows_for_width(width, fill_first.at(width), fill_second.at(width));
+        return rows;
+    });
 }
 
 }  // namespace lostbits::intersect::simd

@@ -47,6 +47,10 @@ struct ManyFormKernels {
     ManyKernel<double> f64;
 };
 
+/// Appends the rows of a part of the catalogue (`FirstForms`, `SecondForms`), which run the primitives one by one.
+template <class Forms>
+void append_many_kernels(std::vector<ManyFormKernels>& rows);
+
 /// The rows of all forms, in the order of `catalogue()`; `scalar` runs the primitives one by one. Empty if `isa` is not
 /// available.
 std::span<const ManyFormKernels> all_many_kernels(Isa isa);

@@ -4,11 +4,12 @@
 #include <cstring>
 #include <type_traits>
 
-#include "intersect/catalogue.hpp"
 #include "intersect/form_shape.hpp"
 #include "intersect/simd/packed_raw.hpp"
 #include "number/pack.hpp"
 #include "number/wide/wide_pack.hpp"
+#include "number/width.hpp"
+#include "shapes/box/ordered_box.hpp"
 
 namespace lostbits::intersect::simd {
 
@@ -16,7 +17,7 @@ namespace lostbits::intersect::simd {
 /// sign of 1/d, which is the sign of d and so the same for all boxes. box.embree_fma changes the sign of a tiny d, so
 /// it does not qualify. If d is NaN, every t is NaN, and the order has no effect.
 template <class Form, class T>
-concept TakesOrderedBox = requires(const Ray<T>& ray, const box::OrderedBox<T>& box, const T& limit) {
+concept TakesOrderedBox = requires(const Ray<T>& ray, const OrderedBox<T>& box, const T& limit) {
     Form::intersect(ray, box, limit);
 };
 
@@ -26,7 +27,7 @@ template <class Form, class F, class Width>
 [[gnu::flatten]] void one_ray_many_boxes(const RawPrimitives<F>& batch) {
     using P = Pack<F, Width>;
     constexpr bool is_ordered = TakesOrderedBox<Form, P>;
-    using B = std::conditional_t<is_ordered, box::OrderedBox<P>, Box<P>>;
+    using B = std::conditional_t<is_ordered, OrderedBox<P>, Box<P>>;
     // True if the ray meets the plane `hi` before the plane `lo` along an axis.
     const auto meets_hi_first = [r = batch.ray](int axis) { return is_ordered && __builtin_signbit(r[3 + axis]); };
     const bool is_reversed[3] = {meets_hi_first(0), meets_hi_first(1), meets_hi_first(2)};
@@ -67,20 +68,22 @@ template <class Form, class F, class Width>
 }
 
 /// Fills the row of each form with the kernels of the form. They are null for a march; in binary64 also if the form
-/// does not exist in this format or the shape has no kernels for many primitives (`has_many_kernels`).
-template <class Width>
-void fill_many_raw(RawManyFormKernels* row) {
-    for_each_form([&row]<class Form>() {
+/// does not exist in this format or the shape has no kernels for many primitives (`has_many_kernels`). Returns the
+/// place after the last row.
+template <class Forms>
+RawManyFormKernels* LOSTBITS_WITH_WIDTH_SUFFIX(fill_many)(RawManyFormKernels* row) {
+    Forms::for_each([&row]<class Form>() {
         constexpr bool has_f64 = Form::info.formats == Formats::all && has_many_kernels(shape_of<Form>);
         if constexpr (meets<Form, Box>) {
-            row->f32 = one_ray_many_boxes<Form, float, Width>;
-            if constexpr (has_f64) row->f64 = one_ray_many_boxes<Form, double, Width>;
+            row->f32 = one_ray_many_boxes<Form, float, BuildRegisters>;
+            if constexpr (has_f64) row->f64 = one_ray_many_boxes<Form, double, BuildRegisters>;
         } else if constexpr (!marches<Form>) {
-            row->f32 = one_ray_many_primitives<Form, float, Width>;
-            if constexpr (has_f64) row->f64 = one_ray_many_primitives<Form, double, Width>;
+            row->f32 = one_ray_many_primitives<Form, float, BuildRegisters>;
+            if constexpr (has_f64) row->f64 = one_ray_many_primitives<Form, double, BuildRegisters>;
         }
         ++row;
     });
+    return row;
 }
 
 }  // namespace lostbits::intersect::simd

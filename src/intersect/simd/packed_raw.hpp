@@ -54,14 +54,21 @@ struct RawFormKernels {
     void (*f64)(const RawBatch<double>&);
 };
 
-/// One function for each register width, each in its own object file. It fills a row for each form, in the order of the
-/// catalogue.
-void fill_packed_w128(RawFormKernels* rows);
-void fill_packed_w256(RawFormKernels* rows);
-void fill_packed_w512(RawFormKernels* rows);
+/// One function for each register width and each part of the catalogue (`FirstForms`, `SecondForms`), each in its own
+/// object file. It fills a row for each form of the part, in the order of the catalogue, and returns the place after
+/// the last.
+template <class Forms>
+RawFormKernels* fill_packed_w128(RawFormKernels* rows);
+template <class Forms>
+RawFormKernels* fill_packed_w256(RawFormKernels* rows);
+template <class Forms>
+RawFormKernels* fill_packed_w512(RawFormKernels* rows);
 /// The same functions for many primitives.
-void fill_many_w128(RawManyFormKernels* rows);
-void fill_many_w256(RawManyFormKernels* rows);
-void fill_many_w512(RawManyFormKernels* rows);
+template <class Forms>
+RawManyFormKernels* fill_many_w128(RawManyFormKernels* rows);
+template <class Forms>
+RawManyFormKernels* fill_many_w256(RawManyFormKernels* rows);
+template <class Forms>
+RawManyFormKernels* fill_many_w512(RawManyFormKernels* rows);
 
 }  // namespace lostbits::intersect::simd

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <lostbits_widths.hpp>  // generated: the widths of this build
-#include "intersect/catalogue.hpp"
 #include "intersect/simd/packed.hpp"
 
 namespace lostbits::intersect::simd {
@@ -15,10 +14,10 @@ std::span<const PlainFormKernels> all_plain_kernels() {
     const auto isas = available_isas();
     if (std::ranges::find(isas, Isa::w256) == isas.end()) return {};
     static const auto rows = [] {
-        std::vector<PlainFormKernels> filled(box::BoxForms::size);
+        const auto forms = table::intersectors(shape_as<Box>);
+        std::vector<PlainFormKernels> filled(forms.size());
         fill_plain_w256(filled.data());
-        std::size_t i = 0;
-        box::BoxForms::for_each([&]<class Form>() { filled[i++].info = &Form::info; });
+        for (std::size_t i = 0; i < forms.size(); ++i) filled[i].info = forms[i].info;
         std::erase_if(filled, [](const PlainFormKernels& row) { return !row.columns; });
         return filled;
     }();

@@ -1,5 +1,5 @@
 // Plain loops over boxes. packed_batch.hpp says which headers such a file may include, and why everything is inlined.
-#include "intersect/catalogue.hpp"
+#include "intersect/catalogue_first.hpp"
 #include "intersect/simd/plain_many.hpp"
 
 namespace lostbits::intersect::simd {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "intersect/simd/packed.hpp"
+#include "intersect/simd/of_width.hpp"
 #include "intersect/transform/list.hpp"
 #include "intersect/transform/raw_steps.hpp"
 #include "number/recorded.hpp"
@@ -66,20 +66,14 @@ struct PackedMethods {
 
     PackedMethods(void (*fill)(RawTransformKernels*), std::size_t size) : bytes(size) { fill(rows.data()); }
 };
-/// The methods for a register width of this machine; null for `scalar`.
+/// The methods for an available width; null for `scalar`.
 const PackedMethods* packed_methods(simd::Isa isa) {
-    static const PackedMethods w128(fill_transforms_w128, 16);
-#if defined(__x86_64__)
-    if (isa == simd::Isa::w256) {
-        static const PackedMethods w256(fill_transforms_w256, 32);
-        return &w256;
-    }
-    if (isa == simd::Isa::w512) {
-        static const PackedMethods w512(fill_transforms_w512, 64);
-        return &w512;
-    }
-#endif
-    return isa == simd::Isa::scalar ? nullptr : &w128;
+    static constexpr simd::FunctionOfWidth<void(RawTransformRow*)> fill = LOSTBITS_OF_EACH_WIDTH(fill_transforms);
+    if (isa == simd::Isa::scalar) return nullptr;
+    return simd::with_width(isa, []<simd::Isa width>() -> const PackedMethods* {
+        static const PackedMethods methods(fill.at(width), simd::bytes_of(width));
+        return &methods;
+    });
 }
 
 /// Calls `run(functions, steps)` on the rays that fill whole packs of the current width, and returns the number of

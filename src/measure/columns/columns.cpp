@@ -6,7 +6,7 @@
 #include <initializer_list>
 
 #include "intersect/process/parallel.hpp"
-#include "intersect/simd/packed.hpp"
+#include "intersect/simd/of_width.hpp"
 #include "measure/truth/missing.hpp"
 
 namespace lostbits::measure::columns {
@@ -18,29 +18,24 @@ using truth::missing;
 
 namespace {
 
-/// Returns the kernels of a width; null if the scalar functions handle every ray. The function that makes a table was
-/// itself compiled for its width, so no table is made for a width that the machine lacks.
-const RawKernels* kernels_of(Isa isa) {
-    if (isa == Isa::scalar) return nullptr;
-#if defined(__x86_64__)
-    if (isa == Isa::w256) {
-        static const RawKernels w256 = raw_kernels_w256();
-        return &w256;
-    }
-    if (isa == Isa::w512) {
-        static const RawKernels w512 = raw_kernels_w512();
-        return &w512;
-    }
-#endif
-    static const RawKernels w128 = raw_kernels_w128();
-    return &w128;
+/// Returns the kernels of a width with registers. The function that makes a table was itself compiled for its width, so
+/// no table is made for a width that the machine lacks.
+const RawKernels& kernels_of_width(Isa isa) {
+    static constexpr intersect::simd::FunctionOfWidth<RawKernels()> make = LOSTBITS_OF_EACH_WIDTH(raw_kernels);
+    return intersect::simd::with_width(isa, []<Isa width>() -> const RawKernels& {
+        static const RawKernels kernels = make.at(width)();
+        return kernels;
+    });
+}
+
+/// Returns the kernels of the current width; null for `scalar`, where the scalar functions handle every ray.
+const RawKernels* current_kernels() {
+    const Isa isa = intersect::simd::current_isa();
+    return isa == Isa::scalar ? nullptr : &kernels_of_width(isa);
 }
 
 /// Kernels for results that are the same in every width and have no scalar function.
-const RawKernels& kernels() {
-    const RawKernels* const chosen = kernels_of(intersect::simd::current_isa());
-    return chosen ? *chosen : *kernels_of(Isa::w128);
-}
+const RawKernels& kernels() { return kernels_of_width(intersect::simd::register_isa(intersect::simd::current_isa())); }
 
 void leave_all_to_scalar(std::span<const double> answers, std::initializer_list<double*> columns,
                          std::vector<std::uint32_t>& unhandled) {
@@ -129,7 +124,7 @@ const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction
 
 double find_errors(std::span<const double> answers, const TrueLengths& true_lengths, const FloatFormat& format,
                    const ErrorColumns& out, std::vector<std::uint32_t>& unhandled) {
-    const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
+    const RawKernels* const raw_kernels = current_kernels();
     if (!raw_kernels) {
         leave_all_to_scalar(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, unhandled);
         return 0;
@@ -160,7 +155,7 @@ double find_errors(std::span<const double> answers, const TrueLengths& true_leng
 
 void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
                     std::vector<std::uint32_t>& unhandled) {
-    const RawKernels* const raw_kernels = kernels_of(intersect::simd::current_isa());
+    const RawKernels* const raw_kernels = current_kernels();
     const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
     const auto has_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.transform; };

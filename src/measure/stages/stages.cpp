@@ -6,6 +6,7 @@
 #include <shared_mutex>
 #include <tuple>
 
+#include "intersect/simd/of_width.hpp"
 #include "measure/stages/column_run.hpp"
 #include "measure/stages/stage_program.hpp"
 
@@ -17,23 +18,25 @@ namespace {
 
 /// Returns the table that `fill` fills. `fill` is itself compiled for its register width, so it must not be called for
 /// a width that the machine lacks.
-RawStages filled_stages(void (*fill)(RawStages&)) {
-    RawStages kernels{};
-    fill(kernels);
-    return kernels;
-}
+#if defined(LOSTBITS_HAS_W256) || defined(LOSTBITS_HAS_W512)
+constexpr auto fill_wide_stages = fill_stages_w256;
+#else
+constexpr void (*fill_wide_stages)(RawStages&) = nullptr;
+#endif
 
 /// Registers of 512 bits use the kernels of 256 bits. MatrixPair then take 3 to 4 % more processor time than with
 /// kernels for 512 bits, which were slow to compile and were removed.
 const RawStages& kernels_at(Isa isa) {
-#if defined(__x86_64__)
-    if (isa == Isa::w256 || isa == Isa::w512) {
-        static const RawStages w256 = filled_stages(fill_stages_w256);
-        return w256;
-    }
-#endif
-    static const RawStages w128 = filled_stages(fill_stages_w128);
-    return w128;
+    static constexpr intersect::simd::FunctionOfWidth<void(RawStages&)> fill{LOSTBITS_W128(fill_stages),
+                                                                             fill_wide_stages, fill_wide_stages};
+    return intersect::simd::with_width(intersect::simd::register_isa(isa), []<Isa width>() -> const RawStages& {
+        static const RawStages kernels = [] {
+            RawStages filled{};
+            fill.at(width)(filled);
+            return filled;
+        }();
+        return kernels;
+    });
 }
 
 /// Cache of programs that are ready to run. The first use of a program records it.

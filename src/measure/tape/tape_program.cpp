@@ -7,7 +7,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "intersect/simd/packed.hpp"
+#include "intersect/simd/of_width.hpp"
 
 namespace lostbits::measure::tape {
 
@@ -36,14 +36,9 @@ constexpr std::size_t kind_of_column(NodeArithmetic arithmetic) {
 }
 
 void run_steps(const std::vector<TapeStep>& steps, const StepColumns& columns) {
-    const auto run = [&] {
-#if defined(__x86_64__)
-        if (intersect::simd::current_isa() == intersect::simd::Isa::w256) return run_steps_w256;
-        if (intersect::simd::current_isa() == intersect::simd::Isa::w512) return run_steps_w512;
-#endif
-        return run_steps_w128;
-    }();
-    run(steps.data(), steps.size(), columns);
+    using Run = void(const TapeStep*, std::size_t, const StepColumns&);
+    static constexpr intersect::simd::FunctionOfWidth<Run> of_width = LOSTBITS_OF_EACH_WIDTH(run_steps);
+    of_width.at(intersect::simd::register_isa(intersect::simd::current_isa()))(steps.data(), steps.size(), columns);
 }
 
 }  // namespace

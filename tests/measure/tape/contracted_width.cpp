@@ -22,7 +22,7 @@ template <class Form, class F>
 }  // namespace
 
 void fill_contracted(PlainFormKernels* rows) {
-    intersect::for_each_form([&rows]<class Form>() {
+    intersect::AllForms::for_each([&rows]<class Form>() {
         if constexpr (!intersect::marches<Form> && !Form::info.name.ends_with(".filtered")) {
             rows->f32 = ask<Form, float>;
             if constexpr (Form::info.formats == intersect::Formats::all) rows->f64 = ask<Form, double>;

@@ -4,6 +4,7 @@
 
 #include "intersect/info.hpp"
 #include "shapes/box/box.hpp"
+#include "shapes/box/ordered_box.hpp"
 
 namespace lostbits::intersect::box {
 
@@ -26,14 +27,6 @@ template <Number T>
 struct Planes {
     T first;
     T second;
-};
-
-/// A box whose planes are in the order in which the line meets them, from a kernel that knows the signs of the
-/// direction.
-template <class T>
-struct OrderedBox {
-    Vec<T> first;
-    Vec<T> second;
 };
 
 /// Boxes that a form can take if it orders planes only by the sign of 1/d.

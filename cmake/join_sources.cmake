@@ -1,9 +1,9 @@
-# lostbits_join_sources(TARGET ROOMS [LEAST]): joins the sources of TARGET in folders whose path matches ROOMS, in the
+# lostbits_join_sources(TARGET FOLDERS [LEAST]): joins the sources of TARGET in folders whose path matches FOLDERS, in the
 # order of their paths, into units of about 600 kB, and into LEAST units at least. Code that they share, mostly
 # templates of the standard library, is then compiled once per unit. Without this, a clean build of the program took
 # 650 s of processor time. A folder is a namespace, so local names in two of its files must differ. The preset `dev`
 # compiles each source by itself, and finds sources that rely on the includes of another.
-function(lostbits_join_sources target rooms)
+function(lostbits_join_sources target folders)
     if(NOT LOSTBITS_JOIN_SOURCES)
         return()
     endif()
@@ -14,8 +14,8 @@ function(lostbits_join_sources target rooms)
     set(joined)
     set(all 0)
     foreach(source IN LISTS sources)
-        get_filename_component(room "${source}" DIRECTORY)
-        if(room MATCHES "${rooms}" AND source MATCHES "\\.cpp$" AND NOT source MATCHES "^${CMAKE_BINARY_DIR}/")
+        get_filename_component(folder "${source}" DIRECTORY)
+        if(folder MATCHES "${folders}" AND source MATCHES "\\.cpp$" AND NOT source MATCHES "^${CMAKE_BINARY_DIR}/")
             get_filename_component(path "${source}" ABSOLUTE)
             file(SIZE "${path}" bytes_${source})
             math(EXPR all "${all} + ${bytes_${source}}")

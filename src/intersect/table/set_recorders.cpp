@@ -1,7 +1,7 @@
+#include "intersect/table/set_recorders.hpp"
+
 #include <deque>
 
-#include "intersect/table/arithmetics.hpp"
-#include "intersect/table/fill_forms.hpp"
 #include "intersect/table/recording.hpp"
 #include "intersect/table/written_formula.hpp"
 #include "shapes/number_names.hpp"
@@ -28,31 +28,16 @@ std::optional<BoundedAnswer> bounded_with(void* context, const Format& format, c
 
 }  // namespace
 
-void fill_by_ray(std::span<Intersector> forms) {
+void set_recorders(Intersector& form, const EvaluateRecorded* evaluator) {
+    auto* const context = const_cast<EvaluateRecorded*>(evaluator);
+    form.record = {record_with, context};
+    form.record_all = {record_all_with, context};
+    form.bounded = {bounded_with, context};
+}
+
+void set_recorded_arithmetics(Intersector& form) {
     static std::deque<WrittenForm> written_forms;  // forms point to its elements
-    std::size_t i = 0;
-    for_each_form([&]<class Form>() {
-        Intersector& form = forms[i++];
-        const EvaluateRecorded* const evaluator = &evaluate_recorded<Form>;
-        form.record = {record_with, const_cast<EvaluateRecorded*>(evaluator)};
-        form.record_all = {record_all_with, const_cast<EvaluateRecorded*>(evaluator)};
-        form.bounded = {bounded_with, const_cast<EvaluateRecorded*>(evaluator)};
-
-        // Replaces a form by its recording if that does the same operations; compiles others for each arithmetic.
-        if constexpr (is_one_program<Form>) {
-            written_forms.emplace_back(form).fill_arithmetics(form);
-            if (Form::info.formats != Formats::all) form.rounded = nullptr;
-        } else {
-            if constexpr (Form::info.formats == Formats::all) form.rounded = intersect_rounded_batch<Form>;
-            form.ball = enclose_hit<Form, Ball>;
-            form.interval = enclose_hit<Form, Interval>;
-        }
-
-        // Counts in the form itself: `a || b` on one ray does not evaluate b if a is true.
-        form.count = count_form_operations<Form>;
-        if constexpr (filters<Form>) form.deciding_arithmetic = deciding_arithmetic_of<Form>;
-        if constexpr (marches<Form>) form.log = log_form_march<Form>;
-    });
+    written_forms.emplace_back(form).fill_arithmetics(form);
 }
 
 std::vector<std::string> input_names(const Intersector& form, const Target<double>& target) {
