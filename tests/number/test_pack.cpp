@@ -30,8 +30,6 @@ Ask<F> ask_of(Isa isa) {
     }
 }
 
-constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
-
 template <class F>
 std::string hex(F x) {
     char buffer[64];

@@ -68,7 +68,7 @@ struct PackedMethods {
 };
 /// The methods for an available width; null for `scalar`.
 const PackedMethods* packed_methods(simd::Isa isa) {
-    static constexpr simd::FunctionOfWidth<void(RawTransformRow*)> fill = LOSTBITS_OF_EACH_WIDTH(fill_transforms);
+    static constexpr simd::FunctionOfWidth<void(RawTransformKernels*)> fill = LOSTBITS_OF_EACH_WIDTH(fill_transforms);
     if (isa == simd::Isa::scalar) return nullptr;
     return simd::with_width(isa, []<simd::Isa width>() -> const PackedMethods* {
         static const PackedMethods methods(fill.at(width), simd::bytes_of(width));

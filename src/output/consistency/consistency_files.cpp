@@ -184,7 +184,7 @@ Table<CheckSummary> number_columns() {
     using table::fraction_or_missing, table::percentile;
     const auto count = [](CheckResult result) { return [result](const S& s) { return s.count_of(result); }; };
     return {
-        {"rays", "pixels at which both questions are asked", &S::asked},
+        {"rays", "pixels at which both questions are asked", &S::question_count},
         {"agree", "of these, pixels with the same answer to both questions", count(CheckResult::agree)},
         {"first_alone", "the answer is yes only to the first question, and one of the answers is wrong",
          count(CheckResult::first_alone)},
@@ -200,11 +200,11 @@ Table<CheckSummary> number_columns() {
 
         // Fractions, and how far numbers are apart
         {"disagree_fraction", "share of first_alone, second_alone and other_number",
-         [](const S& s) { return fraction_or_missing(s.disagreements(), s.asked()); }},
+         [](const S& s) { return fraction_or_missing(s.disagreements(), s.question_count()); }},
         {"decision_fraction", "share of first_alone and second_alone",
-         [](const S& s) { return fraction_or_missing(s.decisions(), s.asked()); }},
+         [](const S& s) { return fraction_or_missing(s.decisions(), s.question_count()); }},
         {"by_inputs_fraction", "share of by_inputs",
-         [](const S& s) { return fraction_or_missing(s.count_of(CheckResult::by_inputs), s.asked()); }},
+         [](const S& s) { return fraction_or_missing(s.count_of(CheckResult::by_inputs), s.question_count()); }},
         {"apart_p50", "ulp",
          "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in ulps of t, "
          "as "
