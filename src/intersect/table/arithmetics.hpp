@@ -220,4 +220,10 @@ OperationCounts count_form_operations(const Ray<float>& ray, const Target<float>
     return count_operations(unwatched, ray, target, tmax);
 }
 
+/// Sets the functions of a form that follow from its recording: `record`, `record_all` and `bounded`.
+void set_recorders(Intersector& form, const EvaluateRecorded* evaluator);
+
+/// Sets the arithmetics of a form by its recording, which must be one program.
+void set_recorded_arithmetics(Intersector& form);
+
 }  // namespace lostbits::intersect::table

@@ -3,7 +3,6 @@
 
 #include "intersect/table/arithmetics.hpp"
 #include "intersect/table/fill_forms.hpp"
-#include "intersect/table/set_recorders.hpp"
 
 namespace lostbits::intersect::table {
 

@@ -37,7 +37,8 @@ private:
 };
 
 struct JudgeRequest {
-    /// Primitives of all rays, in the format of the ray file. If neither these nor a mesh are given, each ray has its own.
+    /// Primitives of all rays, in the format of the ray file. If neither these nor a mesh are given, each ray has its
+    /// own.
     std::vector<Primitive<double>> primitives = {};
     std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     std::optional<intersect::MarchConstants<double>> march = {};

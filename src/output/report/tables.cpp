@@ -77,9 +77,9 @@ std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& 
 /// Row of a form and format in the table of a map. `value(name)` is the value of the column `name` of summary.csv.
 std::string summary_table_row(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s,
                               const std::vector<ShownColumn>& count_columns, const auto& value) {
-    std::string text =
-        fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>", html(map::tested_form_name(tested_form)),
-                    html(tested_form.form->info->name), tested_form.format.name);
+    std::string text = fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>",
+                                   html(map::tested_form_name(tested_form)), html(tested_form.form->info->name),
+                                   tested_form.format.name);
 
     // Numbers of rays with each outcome.
     for (const ShownColumn& count_column : count_columns)

@@ -92,7 +92,8 @@ inline std::vector<ray_file::Chunk> read_all(ray_file::RayFile& ray_file, std::s
 }
 
 /// Message of the error from opening or reading a file; empty if no error is thrown.
-inline std::string fault_of(const std::string& name, const std::string& bytes, const ray_file::ReadOptions& options = {}) {
+inline std::string fault_of(const std::string& name, const std::string& bytes,
+                            const ray_file::ReadOptions& options = {}) {
     const ScratchRayFile file(name, bytes);
     try {
         const auto opened = ray_file::open_ray_file(file.path(), options);

@@ -1,4 +1,4 @@
-#include "intersect/table/set_recorders.hpp"
+#include "intersect/table/arithmetics.hpp"
 
 #include <deque>
 
