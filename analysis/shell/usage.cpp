@@ -100,7 +100,7 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
                            suggestion ? text::did_you_mean(word, subcommands)
                                       : "start with map, explain or judge; `lostbits --help` lists all commands");
     if (!subcommands.empty())
-        return fmt::format("\"{}\" is not a command of `{}`; {}", word, command.command_path(),
+        return fmt::format("\"{}\" is not a command of `{}`; {}", word, program.command_path(),
                            text::did_you_mean(word, subcommands));
     return fmt::format(
         "{}: `{}` does not take this argument; an option takes one value at a time: repeat the option, or write "
