@@ -185,7 +185,7 @@ measure::evaluate::TestedForm select_tested_form(const ExplainOptions& options) 
     if (!form.is_template() && (options.json || options.fpcore || options.c))
         throw InputError(fmt::format(
             "-i {}: its operations are not known, since it is compiled elsewhere; write it as a form over any number "
-            "type to see them (docs/your-own-form.md). Without {} explain judges its answer",
+            "type to see them (docs/your-own-form.md), or leave out {} to judge its answer only",
             options.form,
             options.json     ? "--json"
             : options.fpcore ? "--fpcore"

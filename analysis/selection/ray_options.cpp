@@ -80,7 +80,7 @@ TestedForm tested_form_for_primitives(const TestedForm& tested_form, const std::
     // Says why the form does not take the primitives.
     if (tested_form.form->shapes().have_transform() && can_test(tested_form.form->shapes().with_transform(false)))
         throw InputError(fmt::format(
-            "-i {}: no primitive of {} has a transform, so a transform method has nothing to do; leave out the @ and "
+            "-i {}: no primitive of {} has a transform, so FORM@TRANSFORM makes no sense here; leave out the @ and "
             "the transform",
             tested_form.form->info->name, subject));
     if (is_primitive(shape) && several_shapes(can_test)) {
