@@ -52,7 +52,8 @@ std::string arguments_text(const CommandRow& command) {
         text += " " + (argument.is_required ? name : "[" + name + "]") + (argument.takes_several ? "..." : "");
     }
     for (const OptionRow& option : command.options)
-        if (option.is_required) text += " " + escape_roff(option.names.front()) + " \\fI" + option.value + "\\fR";
+        if (option.is_required)
+            text += " " + escape_roff(option.names.front()) + " \\fI" + escape_roff(option.value) + "\\fR";
     return text + " [\\fIOPTION\\fR]...";
 }
 
