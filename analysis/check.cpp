@@ -210,9 +210,10 @@ std::vector<std::filesystem::path> input_files(const CheckOptions& options, cons
 void require_shard_options(const CheckOptions& options) {
     if (options.shard.empty()) return;
     if (options.report.empty())
-        throw InputError("--shard " + options.shard +
-                         ": needs a folder for the shards; add --report DIR, and join them by `lostbits merge DIR -o "
-                         "REPORT`");
+        throw InputError(
+            "--shard " + options.shard +
+            ": needs a folder for the shards; add --report FOLDER, and join them by `lostbits merge FOLDER -o "
+            "REPORT`");
     if (options.is_timing() || options.prints_numbers_only || !options.junit.empty() || !options.csv.empty() ||
         !options.json.empty() || options.annotations != "none")
         throw InputError(

@@ -254,9 +254,8 @@ void add_diff(const shell::Command& program, const CommonOptions& common) {
     const auto options = std::make_shared<DiffOptions>();
     command.add("A", options->a, "A file or a folder").required();
     command.add("B", options->b, "The file or folder to compare A with; not with -i");
-    command.add(
-        "--allow", options->tolerances,
-        "Let the numbers of a column differ by ABS, or by REL times the larger one: COLUMN=ABS[,REL] (docs/diff.md)");
+    command.add("--allow", options->tolerances,
+                "Let the numbers of a column differ by ABS, or by REL times the larger one (docs/diff.md)");
     command.add("--ignore", options->ignored, "Do not compare these columns and channels, by name or glob");
     command.add("--strict", options->strict, "Compare every file to the last bit, pictures included");
     command.add("--compare-pictures", options->compares_pictures, "Also compare pictures");

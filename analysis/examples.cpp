@@ -64,7 +64,7 @@ const CommandExamples all_examples[] = {
        "Makes a page about two scenes"}}},
     {"sweep",
      {{"lostbits sweep sphere-distance -i sphere.unified -f f32 --steps 8 --seeds 0",
-       "Measures a form at 8 distances of a sphere, without further draws of the rays"},
+       "Measures a form at 8 distances of a sphere, with one random set of rays"},
       {"lostbits sweep worst/near --worst -i sphere.press -f f32 --set starts=2,generations=4",
        "Searches ranges of numbers for the worst ray"}}},
     {"trade",

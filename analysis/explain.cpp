@@ -185,7 +185,7 @@ measure::evaluate::TestedForm select_tested_form(const ExplainOptions& options) 
     if (!form.is_template() && (options.json || options.fpcore || options.c))
         throw InputError(fmt::format(
             "-i {}: its operations are not known, since it is compiled elsewhere; write it as a form over any number "
-            "type to see them (docs/your-own-form.md). Without {} explain judges its answer",
+            "type to see them (docs/your-own-form.md), or leave out {} to judge its answer only",
             options.form,
             options.json     ? "--json"
             : options.fpcore ? "--fpcore"
@@ -262,10 +262,7 @@ void add_scene_ray_options(const shell::Command& command, selection::RayOptions&
 void add_given_ray_options(const shell::Command& command, selection::RayOptions& ray_options) {
     command.add("--ray", ray_options.ray,
                 "A ray of your own: its origin and direction, as decimals or hexadecimal floats");
-    ray_options.primitives.add_to(
-        command,
-        "Primitives for --ray, in place of a scene (may be repeated; @ and the 12 numbers of a matrix may "
-        "follow, row by row)");
+    ray_options.primitives.add_to(command, "Primitives for --ray, in place of a scene");
     command.add("--tmin", ray_options.tmin, "The t at which the ray begins (default: 0)");
     command.add("--tmax", ray_options.tmax, "The t at which the ray ends (default: infinity)");
     command.add("--open-ends", ray_options.open_ends,
@@ -290,7 +287,7 @@ void add_range_options(const shell::Command& command, RangeOptions& range_option
         "step of a sweep, span");
     command
         .add("--at-step", range_options.step,
-             "The step of a sweep for --ranges, as a value of each axis: 4096, or 4096,0.5")
+             "The step of a sweep for --ranges, given by one value per axis: 4096, or 4096,0.5")
         .needs(ranges);
     command
         .add("--input-range", range_options.ranges,
@@ -298,7 +295,7 @@ void add_range_options(const shell::Command& command, RangeOptions& range_option
         .needs(ranges);
     command
         .add("--boxes", range_options.boxes,
-             "The largest number of boxes into which --ranges divides the ranges (default: 4096)",
+             "The largest number of pieces into which --ranges divides the ranges (default: 4096)",
              shell::whole_number_between(1, 1 << 20))
         .needs(ranges);
 }

@@ -408,8 +408,8 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
                 "Also compare every form with this form: draw and count the rays on which the answers differ");
     command.add(
         "--envelope", options->envelope,
-        "In pictures of lost_bits, draw a pixel paler if inputs that are off by half an ulp could explain the loss; "
-        "the problem is then to blame, not the formula");
+        "In pictures of lost_bits, draw a pixel paler if the problem, not the formula, is to blame (inputs off by "
+        "half an ulp would lose as much)");
 
     add_shard(command, options->shard);
     selection::add_out(command, options->out);

@@ -337,7 +337,7 @@ void add_mend(const shell::Command& program, const CommonOptions& common) {
     command.add("--compiler", options->compiler, "The compiler that --price uses (default: c++)");
     command.add("--emit", options->emit,
                 "Also write the changed form as C++ (NAME.hpp), GLSL (NAME.glsl) or a patch of your file (NAME.patch)");
-    command.add("-o,--out", options->out, "Folder for the results");
+    command.add("-o,--out", options->out, "Folder for the results (default: none is written)");
     command.set_action([options, &common] { return run(*options, common); });
 }
 

@@ -317,8 +317,10 @@ void add_sweep(const shell::Command& program, const CommonOptions& common) {
     command.add_list("--metric", options->metrics, "Also measure these metrics, by name or glob");
 
     // Changes of the sweep.
-    command.add("--seeds", options->seeds, "Also find the onsets on this many further draws of the rays (default: 2)",
-                shell::whole_number_between(0, 1000));
+    command.add(
+        "--seeds", options->seeds,
+        "Repeat with this many other random sets of rays, and find where the form starts to fail in each (default: 2)",
+        shell::whole_number_between(0, 1000));
     command.add("--size", options->size,
                 "Picture size of the sweep's scene, WxH; each step has one ray per pixel (default: the scene's)");
     command.add("--steps", options->steps, "Steps of each axis: 40, or 40,20 (default: the file's)");

@@ -66,7 +66,7 @@ void CallSelection::keep_forms_for(const std::string& name, const selection::Sha
     tested_forms = selection::tested_forms_handling({tested_forms, forms, true}, name, can_test);
     if (tested_forms.empty())
         throw NothingSelected(name +
-                              ": has primitives that no chosen form takes in a chosen format; choose other "
+                              ": none of the chosen forms and formats can test its primitives; choose other "
                               "forms or formats");
 }
 

@@ -141,7 +141,7 @@ measure::choose::Requirement parse_requirement(const lostbits_requirement& requi
 bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
                const measure::choose::Requirement& requirement, bool two_words, CallSelection& chosen,
                CallSettings& settings) {
-    if (requirement.has_tolerance()) throw InputError("mend repairs a form to keep bits of t; give no tolerance");
+    if (requirement.has_tolerance()) throw InputError("mend takes bits, not a tolerance");
     chosen.keep_forms_for("scene " + scene.id, [&](Shapes forms) { return scene.accepts(forms); });
     if (scene.has_transform())
         throw InputError("the primitives of scene " + scene.id +

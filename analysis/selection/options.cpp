@@ -166,8 +166,8 @@ std::optional<output::map::BarRange> parse_range(const std::string& text,
     }
 
     if (!first)
-        throw InputError(fmt::format(
-            "--range {}: the drawn metrics have a colour for each name and no colour bar; leave out --range", text));
+        throw InputError(
+            fmt::format("--range {}: the drawn metrics have categories, not a scale; leave out --range", text));
     if (first->ramp == Ramp::magnitude && !(*lo > 0))
         throw InputError(fmt::format("--range {}: the bar of {} is logarithmic; write ends above 0, like 1:1000", text,
                                      first->name));

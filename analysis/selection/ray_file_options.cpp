@@ -64,9 +64,8 @@ const std::vector<RayFileOption>& ray_file_options() {
          "The right answer for a ray that starts on the surface (default: hit; docs/judge.md)",
          to_strings(intersect::at_origin_names), true},
         {"--inside", &Options::inside,
-         "The right answer for a ray that starts inside (default: usual, which is exit for a sphere and zero for a "
-         "box; "
-         "docs/judge.md)",
+         "The right answer for a ray that starts inside (default: usual, which is zero for a box and exit for "
+         "every other shape with an inside; docs/judge.md)",
          to_strings(intersect::inside_names), true},
         {"--facing", &Options::facing,
          "The side from which triangles, discs and planes are hit (default: both; docs/judge.md)",
@@ -88,7 +87,7 @@ void add_ray_options(const shell::Command& command, RayFileOptions& options) {
     command.add("--skip", options.skip, "Number of bytes in front of raw numbers");
     command.add("--answer-format", options.answer_format,
                 "Format that the answers were computed in (default: the format of the file, f64 for CSV)");
-    options.primitives.add_to(command, "The primitive of all rays");
+    options.primitives.add_to(command, "Primitives of all rays");
     for (const RayFileOption& option : ray_file_options())
         command.add(option.name, options.*option.value, option.help,
                     option.allowed_values.empty() ? shell::ValueRule() : shell::one_of(option.allowed_values));

@@ -30,7 +30,7 @@ public:
     [[nodiscard]] const std::vector<std::string>& values_of(Shape shape) const {
         return texts_[static_cast<std::size_t>(shape)];
     }
-    /// Declares the options, which the help shows below a heading.
+    /// Declares the options. The help shows them below a heading, which also says how their values are written.
     void add_to(const shell::Command& command, const std::string& heading);
     /// The shapes that are given, in the order of `shape_rows`.
     [[nodiscard]] std::vector<Shape> shapes() const;

@@ -80,7 +80,7 @@ TestedForm tested_form_for_primitives(const TestedForm& tested_form, const std::
     // Says why the form does not take the primitives.
     if (tested_form.form->shapes().have_transform() && can_test(tested_form.form->shapes().with_transform(false)))
         throw InputError(fmt::format(
-            "-i {}: no primitive of {} has a transform, so a transform method has nothing to do; leave out the @ and "
+            "-i {}: no primitive of {} has a transform, so FORM@TRANSFORM makes no sense here; leave out the @ and "
             "the transform",
             tested_form.form->info->name, subject));
     if (is_primitive(shape) && several_shapes(can_test)) {
@@ -409,11 +409,13 @@ SelectedRay find_ray(const RayOptions& options, const TestedForm& tested_form, c
 }
 
 void PrimitiveOptions::add_to(const shell::Command& command, const std::string& heading) {
+    const std::string full_heading =
+        heading + " (may be repeated; @MATRIX or @/INVERSE may follow, 12 numbers row by row)";
     std::vector<shell::Option> options;
     for (const ShapeRow& shape_row : shape_rows)
         options.push_back(
             command.add(fmt::format("--{}", shape_row.name), values_of(shape_row.shape), with_article(shape_row.shape))
-                .under_heading(heading));
+                .under_heading(full_heading));
     order_ = command.make_value_order(options);
 }
 

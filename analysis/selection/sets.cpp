@@ -370,7 +370,7 @@ std::string forms_advice(const std::vector<TestedForm>& tested_forms, const Shap
         return shapes.have_transform() && can_test(shapes.with_transform(false));
     };
     if (std::ranges::any_of(tested_forms, has_needless_transform))
-        return ": no primitive of it has a transform, so a transform method has nothing to do; leave out the @ and the "
+        return ": no primitive of it has a transform, so FORM@TRANSFORM makes no sense here; leave out the @ and the "
                "transform";
     std::vector<Shape> primitives;
     for (const Shape shape : all_shapes)

@@ -36,7 +36,7 @@ void add_merge(const shell::Command& program, const std::string& version, const 
     auto command =
         program.add_command("merge", "Join the shards of a run into the files that an unsharded run would write");
     const auto options = std::make_shared<MergeOptions>();
-    command.add("DIR", options->folders, "Folders of shards, or folders that contain them, in any order").required();
+    command.add("FOLDER", options->folders, "Folders of shards, or folders that contain them, in any order").required();
     selection::add_out(command, options->out);
     command.add("--junit", options->junit, "Write JUnit XML, for claims");
     command.add("--export-csv", options->csv, "Write CSV, one row per claim");

@@ -51,6 +51,14 @@ std::string argument_text(const OptionRow& argument) {
     return argument.is_required ? text : "[" + text + "]";
 }
 
+/// The options that must be given, in their shortest form: ` -i NAME --bits 0..53`.
+std::string required_options_text(const std::vector<OptionRow>& options) {
+    std::string text;
+    for (const OptionRow& option : options)
+        if (option.is_required) text += " " + option.names.front() + " " + option.value;
+    return text;
+}
+
 /// Lists the options by their headings, in the order of the headings.
 std::string option_sections(const std::vector<OptionRow>& options) {
     std::vector<std::string> headings{""};
@@ -104,8 +112,10 @@ std::string help_page(const Command& program, const std::string& footer) {
     const CommandRow row = given_command_row(program);
     std::string text = wrap(row.help, 0, 0) + "\nUsage: " + program.command_path();
     if (!row.commands.empty()) text += " COMMAND";
-    else
+    else {
         for (const OptionRow& argument : row.arguments) text += " " + argument_text(argument);
+        text += required_options_text(row.options);
+    }
 
     // The examples of `plugin check` are stored with `plugin`.
     const std::vector<Command> given = program.given_commands();

@@ -44,13 +44,16 @@ std::string paragraphs(const std::vector<OptionRow>& options) {
     return text;
 }
 
-/// `SCENE... [OPTION]...`
+/// `SCENE... -i NAME [OPTION]...`
 std::string arguments_text(const CommandRow& command) {
     std::string text;
     for (const OptionRow& argument : command.arguments) {
         const std::string name = "\\fI" + argument.names.front() + "\\fR";
         text += " " + (argument.is_required ? name : "[" + name + "]") + (argument.takes_several ? "..." : "");
     }
+    for (const OptionRow& option : command.options)
+        if (option.is_required)
+            text += " " + escape_roff(option.names.front()) + " \\fI" + escape_roff(option.value) + "\\fR";
     return text + " [\\fIOPTION\\fR]...";
 }
 

@@ -72,10 +72,10 @@ std::vector<TestedForm> select_forms_of_shape(const std::string& given_name, con
     if (!selection::filter_tested_forms(selected, [shape](Shapes forms) {
              return forms == Shapes(shape).with_transform();
          }).empty())
-        throw NothingSelected(fmt::format(
-            "--shape {}: its primitive has no transform, so a form with a transform method has nothing to do; name "
-            "a scene with matrices, as in `lostbits trade instance-far.{}`",
-            shape_name, shape_name));
+        throw NothingSelected(
+            fmt::format("--shape {}: its primitive has no transform, so FORM@TRANSFORM makes no sense here; name "
+                        "a scene with matrices, as in `lostbits trade instance-far.{}`",
+                        shape_name, shape_name));
     if (given_name.empty())
         throw NothingSelected(fmt::format(
             "no selected form is for a {0}, the default shape; name the shape of the forms, as in --shape box, or "

@@ -115,8 +115,8 @@ def judge(o: Floats, d: Floats, t: Floats | None, hit: NDArray[np.bool_] | None 
       or a scene. `spheres=array` is short for primitives=array, shape="sphere", and so on for every shape.
     - `tmin`, `tmax`: n numbers each, the range of each ray. Both ends belong to it, except those that `open_ends` names
       ("tmin", "tmax" or "both").
-    - `matrix`: n x 12 or n x 3 x 4. The transform of the primitive of each ray, from object space to the world. Needs
-      one primitive for all rays, or paired=True.
+    - `matrix`: n x 12 or n x 3 x 4. The transform of the primitive of each ray, from the space of the primitive to the
+      world. Needs one primitive for all rays, or paired=True.
     - `forms`: forms that answer the same rays. `formats`: their formats, by default that of t.
     - `format`: the format that t was computed in, by default its type.
     - `direction`, `touching`, `at_origin`, `inside`, `facing`: what counts as right, as in lb.intersector.

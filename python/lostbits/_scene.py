@@ -85,8 +85,8 @@ def scene(name: str | None = None, *, camera: Mapping[str, Any] | None = None,
     - Primitives by the plural of their shape: `spheres` n x 4 (centre, radius), `boxes` n x 6 (lo, hi), `triangles`
       n x 9, `tori` n x 8, ... lb.SHAPES has the keys of each. Or `primitives` with a `shape`.
     - `mesh`: (vertices n x 3, faces m x 3). Faces hold indices of vertices, from 0.
-    - `transform` (4 x 4 or 3 x 4): the matrix of all primitives, from object space to the world, as it is stored. The
-      primitives are not multiplied by it. Name forms with a transform method ("triangle.undivided@pbrt").
+    - `transform` (4 x 4 or 3 x 4): the stored matrix from the space of the primitives to the world, for all primitives.
+      Their numbers stay as they are. Name forms with a transform method ("triangle.undivided@pbrt").
     - `inputs`: primitives and matrix are doubles. "shared" rounds them once to float32, so that every format gets the
       same numbers. With "own", each format rounds them itself.
 

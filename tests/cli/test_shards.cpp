@@ -177,7 +177,7 @@ TEST_CASE("shards of claims give no verdicts themselves") {
         CHECK(r.code == 2);
         CHECK(has(r.err, what));
     };
-    says("--shard 1/2", "needs a folder for the shards; add --report DIR");
+    says("--shard 1/2", "needs a folder for the shards; add --report FOLDER");
     says("--shard 1/2 --report '" + (scratch / "r").string() + "' --junit x.xml", "a shard does not judge claims");
     CHECK(scratch.files().empty());
     const fs::path parts = scratch / "parts", junit = scratch / "junit.xml";

@@ -126,7 +126,7 @@ TEST_CASE("the manual page has every command and option, and man can read it") {
     for (const char* words :
          {"NAME", "SYNOPSIS", "EXIT STATUS", "ENVIRONMENT", "LOSTBITS_DATA", "lostbits sweep SWEEP... [OPTION]...",
           "lostbits plugin check [LIBRARY] [OPTION]...", "lostbits merge parts -o -",
-          "lostbits explain [SCENE] [OPTION]...", "lostbits completion bash|zsh|fish [OPTION]..."})
+          "lostbits explain [SCENE] -i NAME [OPTION]...", "lostbits completion bash|zsh|fish [OPTION]..."})
         CHECK(has(said.out, words));
     for (const std::string command : {"check", "map", "explain", "judge"}) {
         for (const std::string& option : options_in_help(command)) {

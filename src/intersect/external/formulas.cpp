@@ -59,9 +59,10 @@ std::vector<Formula> load_formulas(const std::filesystem::path& library) {
         throw InputError(path + ": its forms were compiled with the headers of " + list->build +
                          ", but this program is " + build_id + "; compile it again with this program's headers");
     if (list->is_contracted)
-        throw InputError(path +
-                         ": its forms were compiled so that a*b + c is rounded once, but their tapes round twice; "
-                         "compile it with -ffp-contract=off, as lostbits_add_formulas does");
+        throw InputError(
+            path +
+            ": its forms were compiled so that a*b + c is rounded once, but lostbits analyses them with two "
+            "roundings; compile it with -ffp-contract=off, as lostbits_add_formulas does");
     if (list->all == nullptr || list->count == 0 || list->count > 4096)
         throw InputError(path + ": states " + std::to_string(list->count) +
                          " forms; the number must be from 1 to 4096");

@@ -162,8 +162,8 @@ void require_few_primitives(const Scene& scene) {
     const std::size_t primitives_outside_meshes = scene.primitive_count() - (scene.mesh ? scene.mesh->faces.size() : 0);
     if (primitives_outside_meshes <= max_primitives) return;
     throw InputError(
-        fmt::format("scene {} has {} primitives besides its meshes, and every ray is tested against all of them; {} is "
-                    "the most: try a part of the scene",
+        fmt::format("scene {} has {} primitives besides its meshes, and every ray is tested against all of them; at "
+                    "most {} are allowed; try a part of the scene",
                     scene.id, primitives_outside_meshes, max_primitives));
 }
 

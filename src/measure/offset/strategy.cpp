@@ -248,7 +248,7 @@ constexpr Strategy strategy_rows[] = {
     strategy_row<BoundInObject>(
         "offset.bound_object", "as offset.bound, but in object space; the same without a matrix",
         "Pharr, Jakob, Humphreys, Physically Based Rendering, fourth edition, section 6.8, in the space "
-        "of the shape"),
+        "of the primitive"),
     strategy_row<ExcludeDeparted>("offset.exclude", "p, and the primitive that is left is not tested",
                                   "common practice for convex solids", true),
 };

@@ -44,19 +44,18 @@ BinaryRayFile::BinaryRayFile(const std::filesystem::path& path, const ReadOption
         fail_short(whole_records,
                    bytes - (record_layout_.is_column_major ? 0 : whole_records * record_layout_.record_size));
     if (records_ && bytes > *records_ * record_layout_.record_size)
-        throw InputError(fmt::format(
-            "{}: byte {}: {} the last of the {} that the header names; is "
-            "it one array, written whole?",
-            source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
-            text::count_with_noun(bytes - *records_ * record_layout_.record_size, "byte follows", "bytes follow"),
-            text::count_with_noun(*records_, "record")));
+        throw InputError(fmt::format("{}: byte {}: the header promises {}, but {}; is it one array, written whole?",
+                                     source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
+                                     text::count_with_noun(*records_, "record"),
+                                     text::count_with_noun(bytes - *records_ * record_layout_.record_size,
+                                                           "more byte follows", "more bytes follow")));
     if (!records_) records_ = whole_records;
 }
 
 void BinaryRayFile::fail_short(std::uint64_t record, std::uint64_t bytes) const {
     if (record_layout_.is_column_major)
         throw InputError(
-            fmt::format("{}: has {} of numbers, but its header names {} of {} bytes each; it "
+            fmt::format("{}: has {} of numbers, but its header promises {} of {} bytes each; it "
                         "was cut short, so write it again",
                         source_.name(), text::count_with_noun(bytes, "byte"),
                         text::count_with_noun(*record_layout_.records, "record"), record_layout_.record_size));
@@ -64,7 +63,7 @@ void BinaryRayFile::fail_short(std::uint64_t record, std::uint64_t bytes) const 
         "{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
         "different: check their names and types",
         source_.name(), record, bytes, record_layout_.record_size,
-        record_layout_.records ? ", and the header names " + text::count_with_noun(*record_layout_.records, "record")
+        record_layout_.records ? ", and the header promises " + text::count_with_noun(*record_layout_.records, "record")
                                : ""));
 }
 
@@ -149,8 +148,8 @@ void BinaryRayFile::require_not_byte_swapped(const Records& records) const {
     }
 
     throw InputError(
-        fmt::format("{}: {}, and nearly all numbers are as unusual; in the other byte order they have "
-                    "usual sizes, so the {} significant byte comes first; write --columns {}",
+        fmt::format("{}: {}; most numbers look wrong in this byte order and normal in the other, so the {} "
+                    "significant byte comes first; write --columns {}",
                     source_.name(), first_unusual, is_big_endian ? "most" : "least", columns_text));
 }
 

@@ -15,8 +15,8 @@ std::string result_name(const std::filesystem::path& file) {
     if (name.starts_with('.'))
         throw InputError(
             file.string() +
-            ": results are named after the file without its ending, and this name leaves nothing; rename it to "
-            "start with a letter");
+            ": results are named after the file without its ending, but the file name is only an ending; rename it "
+            "to start with a letter");
     if (std::ranges::any_of(name, [](unsigned char c) { return c < ' ' || c == 0x7F; }))
         throw InputError(file.string() +
                          ": results are named after the file without its ending, and this name has a line break or "

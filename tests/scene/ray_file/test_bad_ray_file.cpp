@@ -154,7 +154,7 @@ const BadFile bad_files[] = {
      {.columns = "ox,oy"}},
     {"a.npy",
      as_npy("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 6), }", std::string(24, 'a')),
-     "a.npy: has 24 bytes of numbers, but its header names 2",
+     "a.npy: has 24 bytes of numbers, but its header promises 2",
      "cut short",
      {.columns = "ox,oy,oz,dx,dy,dz", .primitive = Shape::sphere}},
     {"a.npy", as_npy("{'descr': '<f4', 'shape': (1, 6), }", ""), "a.npy: byte", "missing"},
