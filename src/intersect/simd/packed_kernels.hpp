@@ -7,10 +7,15 @@
 namespace lostbits::intersect::simd {
 
 /// Fills the row of each form with its kernels; returns the place after the last.
+template <class Forms, class Width>
+RawFormKernels* fill_form_kernels(RawFormKernels* row) {
+    Forms::for_each([&row]<class Form>() { *row++ = raw_form_kernels<Form, Width>(); });
+    return row;
+}
+
 template <class Forms>
 RawFormKernels* LOSTBITS_WITH_WIDTH_SUFFIX(fill_packed)(RawFormKernels* row) {
-    Forms::for_each([&row]<class Form>() { *row++ = raw_form_kernels<Form, BuildRegisters>(); });
-    return row;
+    return fill_form_kernels<Forms, BuildRegisters>(row);
 }
 
 }  // namespace lostbits::intersect::simd

@@ -70,20 +70,25 @@ template <class Form, class F, class Width>
 /// Fills the row of each form with the kernels of the form. They are null for a march; in binary64 also if the form
 /// does not exist in this format or the shape has no kernels for many primitives (`has_many_kernels`). Returns the
 /// place after the last row.
-template <class Forms>
-RawManyFormKernels* LOSTBITS_WITH_WIDTH_SUFFIX(fill_many)(RawManyFormKernels* row) {
+template <class Forms, class Width>
+RawManyFormKernels* fill_many_form_kernels(RawManyFormKernels* row) {
     Forms::for_each([&row]<class Form>() {
         constexpr bool has_f64 = Form::info.formats == Formats::all && has_many_kernels(shape_of<Form>);
         if constexpr (meets<Form, Box>) {
-            row->f32 = one_ray_many_boxes<Form, float, BuildRegisters>;
-            if constexpr (has_f64) row->f64 = one_ray_many_boxes<Form, double, BuildRegisters>;
+            row->f32 = one_ray_many_boxes<Form, float, Width>;
+            if constexpr (has_f64) row->f64 = one_ray_many_boxes<Form, double, Width>;
         } else if constexpr (!marches<Form>) {
-            row->f32 = one_ray_many_primitives<Form, float, BuildRegisters>;
-            if constexpr (has_f64) row->f64 = one_ray_many_primitives<Form, double, BuildRegisters>;
+            row->f32 = one_ray_many_primitives<Form, float, Width>;
+            if constexpr (has_f64) row->f64 = one_ray_many_primitives<Form, double, Width>;
         }
         ++row;
     });
     return row;
+}
+
+template <class Forms>
+RawManyFormKernels* LOSTBITS_WITH_WIDTH_SUFFIX(fill_many)(RawManyFormKernels* row) {
+    return fill_many_form_kernels<Forms, BuildRegisters>(row);
 }
 
 }  // namespace lostbits::intersect::simd

@@ -25,7 +25,7 @@ foreach(object ${OBJECTS})
             continue() # local
         elseif(name MATCHES "^DW\\.ref\\.__gxx_personality_v0$|^__odr_asan|^_*ubsan|^_*asan")
             continue() # data that is the same whoever defines it
-        elseif(name MATCHES "_${ISA}\\(")
+        elseif(name MATCHES "_${ISA}(<[a-zA-Z:]*>)?\\(")
             math(EXPR own "${own} + 1")
         else()
             list(APPEND offences "${kind} ${name}")
