@@ -20,7 +20,7 @@ Vec<Real> map_vector(const Vec<Real>& v, const Isometry& isometry) {
     return {row(0), row(1), row(2)};
 }
 
-/// MatrixPair the matrix M of a primitive: Q M leads to the world, and M Qᵀ leads from it.
+/// Maps the matrix M of a primitive: Q M leads to the world, and M Qᵀ leads from it.
 Transform<Real> mirror_transform(Transform<Real> transform, const Isometry& isometry) {
     if (isometry.mirrors()) transform.orientation = -transform.orientation;
     auto& m = transform.matrix;

@@ -39,7 +39,7 @@ struct SymmetricSet {
     bool is_smallest = false;  ///< no set of groups with fewer operations passes: all were tried
 };
 
-/// RewrittenForm form, equal to the original in real arithmetic.
+/// A rewritten form, equal to the original in real arithmetic.
 struct RewrittenForm {
     Tape tape;
     std::vector<const Rule*> rules;     ///< the rules that were applied, in order
