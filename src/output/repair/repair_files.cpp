@@ -50,7 +50,7 @@ FormRow make_proposal_row(const RepairSummary& summary, const Proposal& proposal
         return {"rewritten",
                 rule_names(*proposal.rewritten),
                 original_row,
-                proposal.rewritten->operations,
+                proposal.rewritten->rounding_operation_count,
                 proposal.rewritten->wider_set ? proposal.rewritten->wider_set->operations.size() : 0,
                 proposal.quality,
                 proposal.held_out_quality,

@@ -389,7 +389,7 @@ bool Proposal::meets_on_exact_probes(const RepairSummary& summary) const {
 
 const Proposal* best_proposal(const std::vector<Proposal>& proposals, const RepairSummary& summary) {
     const auto rank = [&](const Proposal& p) {
-        const double operations = p.rewritten ? static_cast<double>(p.rewritten->operations) : HUGE_VAL;
+        const double operations = p.rewritten ? static_cast<double>(p.rewritten->rounding_operation_count) : HUGE_VAL;
         return std::pair(!p.meets_on_exact_probes(summary), p.price ? p.price->packed.median : operations);
     };
     const Proposal* best = nullptr;

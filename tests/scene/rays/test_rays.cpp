@@ -190,9 +190,10 @@ TEST_CASE("copies of a list share the sphereflake, and its columns are read in p
                                 copy = round_primitives(list, binary64);
     CHECK(copy.flake() == list.flake());
     std::array<std::vector<float>, 4> columns_of_spheres;
-    CHECK(copy.columns<float>(10, 64, columns_of_spheres)[3].data() == list.flake()->stored<float>()->at(3).data() + 8);
+    CHECK(copy.columns<float>(10, 64, columns_of_spheres)[3].data() ==
+          list.flake()->stored_columns<float>()->at(3).data() + 8);
     CHECK(columns_of_spheres[0].empty());
-    CHECK(list.flake()->stored<double>() == nullptr);
+    CHECK(list.flake()->stored_columns<double>() == nullptr);
 }
 
 TEST_CASE("a radius is lost at half the smallest number and below, and half an ulp above the largest") {
