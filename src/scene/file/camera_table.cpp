@@ -40,7 +40,7 @@ CameraProjection read_projection(TableReader table, const StoredNumbers& numbers
             table.fail_at("far",
                           "is not beyond near, which leaves nothing between; write a larger number, or leave it "
                           "out for a plane at infinity");
-        if (numbers.stored(*projection.far) == numbers.stored(projection.near))
+        if (numbers.round_as_stored(*projection.far) == numbers.round_as_stored(projection.near))
             table.fail_at("far",
                           "equals near in binary32, to which inputs = \"shared\" rounds, and the matrix is "
                           "singular; write a larger number, or inputs = \"own\"");
