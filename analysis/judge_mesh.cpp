@@ -64,8 +64,8 @@ void require_options_of_kind(const JudgeOptions& options, AnswerKind kind, const
                     fmt::format("{0} is about rays, but {1} has points; leave out {0}", name, options.file));
 }
 
-std::shared_ptr<const scene::rays::MeshColumns> require_mesh(const std::optional<scene::file::Scene>& scene,
-                                                             const JudgeOptions& options, const Format& format) {
+std::shared_ptr<const scene::rays::StoredMesh> require_mesh(const std::optional<scene::file::Scene>& scene,
+                                                            const JudgeOptions& options, const Format& format) {
     auto mesh = scene ? scene::rays::stored_mesh(*scene, format.parameters) : nullptr;
     if (mesh && mesh->size() == scene->primitive_count()) return mesh;
     throw InputError(
@@ -82,7 +82,7 @@ void print_answers(const std::string& name, const Format& format, const MeshAnsw
         if (!can_have_outcome(outcome, result.kind)) continue;
         const std::string title = output::map::name_in_words(name_of(outcome));
         columns.push_back({title, std::max<std::size_t>(title.size(), 7)});
-        cells.push_back(std::to_string(result.count(outcome)));
+        cells.push_back(std::to_string(result.outcome_count(outcome)));
     }
 
     // Only the answers that list all hits have t.
@@ -149,13 +149,13 @@ ExitStatus run_mesh_judge(const JudgeOptions& options, const std::optional<scene
     if (!common.quiet) {
         selection::warn_of_rounded_values(options.file, result.rounded_count, ray_file.format());
         fmt::print("{} of {}, read as {}\n",
-                   text::count_with_noun(result.rays, kind == AnswerKind::inside ? "point" : "ray"), options.file,
+                   text::count_with_noun(result.answers, kind == AnswerKind::inside ? "point" : "ray"), options.file,
                    ray_file.format().name);
         print_answers(name, ray_file.format(), result);
         print_faults(result);
         fmt::print("{}\n", (folder / "summary.csv").string());
     }
-    return report_unproved(result.count(MeshOutcome::unresolved));
+    return report_unproved(result.outcome_count(MeshOutcome::unresolved));
 }
 
 }  // namespace lostbits::analysis

@@ -200,11 +200,12 @@ Listing labels(const CommonOptions& /*common*/) {
 
 Listing scenes(const CommonOptions& common) {
     Listing list{{"name", "variants", "inputs", "title"}};
-    for (const auto& path : scene::file::scene_files(selection::data_folder(common.data))) {
+    for (const auto& path : scene::file::list_scene_files(selection::data_folder(common.data))) {
         const scene::file::SceneFile file(path);
         const auto all = file.load();
         list.rows.push_back({path.stem().string(), fmt::format("{}", fmt::join(file.variants(), " ")),
-                             all.front().inputs == scene::file::Inputs::shared ? "shared" : "own", all.front().title});
+                             all.front().inputs == scene::file::InputRounding::shared ? "shared" : "own",
+                             all.front().title});
     }
     return list;
 }

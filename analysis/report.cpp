@@ -95,7 +95,7 @@ Subjects select_subjects(const ReportOptions& options, const scene::check::Repor
     Subjects subjects;
     for (const auto& name : options.subjects) add_subject(subjects, name, data);
     if (options.all) {
-        for (const auto& path : scene::file::scene_files(data)) subjects.scenes.push_back({path});
+        for (const auto& path : scene::file::list_scene_files(data)) subjects.scenes.push_back({path});
         for (const auto& id : list_ids(data / "sweeps")) subjects.sweeps.push_back(data / "sweeps" / (id + ".toml"));
     } else if (options.subjects.empty()) {
         for (const auto& name : defaults.scenes) subjects.scenes.push_back(scene::file::find_scene(name, data));

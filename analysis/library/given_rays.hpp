@@ -19,7 +19,7 @@ struct GivenRays {
     /// Primitives that all rays share. Without a mesh, an empty list means that each ray has its own primitive.
     std::vector<Primitive<double>> primitives = {};
     /// The triangles of the mesh come after `primitives`; null: no mesh.
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};
+    std::shared_ptr<const scene::rays::StoredMesh> mesh = {};
     std::shared_ptr<const SceneInFormat> stored = {};  ///< the scene with these primitives; null: they are from arrays
     Shape shape{};                                     ///< of the first primitive
     [[nodiscard]] std::vector<Primitive<double>> representatives() const {

@@ -81,7 +81,7 @@ private:
 
 /// Primitives, and the triangles of meshes after them; `mesh` may be null.
 scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>> primitives,
-                                                  std::shared_ptr<const scene::rays::MeshColumns> mesh);
+                                                  std::shared_ptr<const scene::rays::StoredMesh> mesh);
 
 /// The primitives of a scene in the numbers of a format, and the index that finds those that a ray can meet.
 class SceneInFormat {
@@ -91,7 +91,7 @@ public:
     [[nodiscard]] const measure::culling::Culler& culler() const;
 
     std::vector<Primitive<double>> primitives_beside_mesh;
-    std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< its triangles come after the others; null: no mesh
+    std::shared_ptr<const scene::rays::StoredMesh> mesh;  ///< its triangles come after the others; null: no mesh
 
 private:
     mutable std::once_flag culler_made_;

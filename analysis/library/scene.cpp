@@ -68,7 +68,7 @@ Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& 
     }
 
     // With shared inputs, the numbers rounded to binary32 must keep the limits too.
-    const bool is_shared = scene.inputs == scene::file::Inputs::shared;
+    const bool is_shared = scene.inputs == scene::file::InputRounding::shared;
     for (const Primitive<double>& candidate :
          {primitive, is_shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
         if (const auto broken = broken_limit(candidate))
@@ -111,8 +111,9 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                                                   {"dx", "number", "", "coordinate of the ray's direction"},
                                                   {"dy", "number", "", "coordinate of the ray's direction"},
                                                   {"dz", "number", "", "coordinate of the ray's direction"}});
-    auto rays = scene.inputs == scene::file::Inputs::shared ? scene::rays::make_shared_rays(scene, 0, scene.height)
-                                                            : scene::rays::input_rays(scene, 0, scene.height, binary64);
+    auto rays = scene.inputs == scene::file::InputRounding::shared
+                    ? scene::rays::make_shared_rays(scene, 0, scene.height)
+                    : scene::rays::input_rays(scene, 0, scene.height, binary64);
     ResultColumn &x = table["x"], &y = table["y"];
     for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
         x.numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
@@ -234,7 +235,7 @@ int lostbits_scene_mesh(lostbits_scene* scene, const double* vertices, size_t ve
         require(faces, "faces");
         const std::span<const double> all_vertices = to_span(vertices, vertex_count, "vertices", 3);
         const std::span<const uint32_t> all_faces = to_span(faces, face_count, "faces", 3);
-        const FloatFormat& stored = scene->scene.inputs == scene::file::Inputs::shared ? binary32 : binary64;
+        const FloatFormat& stored = scene->scene.inputs == scene::file::InputRounding::shared ? binary32 : binary64;
         scene::triangle::Mesh mesh = make_mesh(all_vertices, all_faces, stored);
         scene::triangle::merge_and_count(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
         // Without the removed faces every later triangle would have another index than its row.
@@ -259,7 +260,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
         if (target.flake) throw InputError("transform: a sphereflake is made in world space and takes no matrix");
 
         // The matrix has the numbers that a file of the scene would store.
-        const bool is_shared = target.inputs == scene::file::Inputs::shared;
+        const bool is_shared = target.inputs == scene::file::InputRounding::shared;
         std::array<double, Affine<double>::numbers> numbers;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
             const double x = is_shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];

@@ -7,7 +7,7 @@ namespace lostbits::analysis::library {
 using scene::file::Scene;
 
 scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>> primitives,
-                                                  std::shared_ptr<const scene::rays::MeshColumns> mesh) {
+                                                  std::shared_ptr<const scene::rays::StoredMesh> mesh) {
     scene::rays::RayGroup group;
     group.primitives = std::move(primitives);
     group.mesh = std::move(mesh);

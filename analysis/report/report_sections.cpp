@@ -270,7 +270,7 @@ output::report::TradeSection measure_trade_section(Shape shape, const std::vecto
     const auto sets = measure::trade::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)
         section.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),
-                                  svg_text(scatter_plot(output::trade::trade_plot(request, result, s))),
+                                  svg_text(draw_scatter_plot(output::trade::trade_plot(request, result, s))),
                                   std::string(sets[s].name)});
     return section;
 }

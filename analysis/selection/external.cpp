@@ -256,12 +256,12 @@ void print_difference(const std::string& message_prefix, const measure::tape::Dr
                       const intersect::table::Intersector& program) {
     if (found.differing_rays == 0) {
         fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n", message_prefix,
-                   found.rays);
+                   found.ray_count);
         return;
     }
     const std::string difference =
         fmt::format("{}: the driver gives other bits than the followed function on {} of {} random rays",
-                    message_prefix, found.differing_rays, found.rays);
+                    message_prefix, found.differing_rays, found.ray_count);
     if (!found.is_explained()) {
         fmt::print(stderr,
                    "{}; no tried change explains all of these rays (another order of sums, fused "
@@ -291,7 +291,7 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
                 continue;
             const std::string message_prefix =
                 fmt::format("lostbits: {} ({})", shader_form.info->name, form->contract.source);
-            print_difference(message_prefix, measure::tape::driver_difference(shader_form, program), program);
+            print_difference(message_prefix, measure::tape::find_driver_difference(shader_form, program), program);
         }
     }
 }

@@ -265,7 +265,8 @@ intersect::MarchConstants<double> parse_march(const std::vector<std::string>& se
         scene::toml::apply_override(root, change);
     }
     scene::toml::TableReader reader(root);
-    return scene::file::round_march(scene::file::read_march(reader.table("march"), scene::file::Inputs::own), binary64);
+    return scene::file::round_march(scene::file::read_march(reader.table("march"), scene::file::InputRounding::own),
+                                    binary64);
 }
 
 /// Throws InputError if the range of a ray contains no t, as for `[rays]` of a scene.

@@ -46,12 +46,12 @@ std::size_t index_of_command(const Command& program, const std::vector<std::stri
     return index;
 }
 
-bool is_value(const RenamedOption& option) { return option.old_name[0] != '-'; }
+bool is_list_name(const RenamedOption& option) { return option.old_name[0] != '-'; }
 /// True if the value of the option is now an argument of the command.
-bool has_become_argument(const RenamedOption& option) { return !is_value(option) && option.new_name[0] != '-'; }
+bool has_become_argument(const RenamedOption& option) { return !is_list_name(option) && option.new_name[0] != '-'; }
 
 std::string advice_text(const std::string& command, const RenamedOption& option) {
-    const char* const change = is_value(option)              ? "the list has been renamed to {}"
+    const char* const change = is_list_name(option)          ? "the list has been renamed to {}"
                                : has_become_argument(option) ? "the option is not needed any more; write {} without it"
                                                              : "the option has been renamed to {}";
     return fmt::format("{} {}: {}", command, option.old_name, fmt::format(fmt::runtime(change), option.new_name));

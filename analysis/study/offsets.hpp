@@ -95,7 +95,7 @@ struct OffsetsAdapter {
 
     /// Leaves out the search for a quiet offset, which takes as long as all the rest, if no column is about it.
     static void skip_unneeded_work(Study& study, const std::set<std::string>& columns) {
-        study.finds_quiet_offset = std::ranges::any_of(
+        study.search_quiet_offset = std::ranges::any_of(
             columns, [](const std::string& column) { return column.find("quiet") != std::string::npos; });
     }
 
@@ -121,7 +121,7 @@ private:
                                                                   const std::string& column) {
         using measure::offset::Fault;
         for (std::size_t f = 0; f < measure::offset::fault_names.size(); ++f)
-            if (column == std::string(measure::offset::fault_names[f]) + "_fraction") return s.first_bad_rays[f];
+            if (column == std::string(measure::offset::fault_names[f]) + "_fraction") return s.first_faulty_rays[f];
         for (const Fault f : {Fault::self_hit, Fault::lost_occluder, Fault::lost_exit, Fault::self_hit_by_form})
             if (s.first_with(f)) return s.first_with(f);
         return std::nullopt;

@@ -96,7 +96,8 @@ struct RenderAdapter {
     static std::uint64_t unproved_count(const Summaries& summaries) {
         std::uint64_t max_unproved = 0;
         for (const Study::Summary& row : summaries)
-            for (const measure::render::RenderSummary& s : row) max_unproved = std::max(max_unproved, s.unresolved());
+            for (const measure::render::RenderSummary& s : row)
+                max_unproved = std::max(max_unproved, s.unresolved_count());
         return max_unproved;
     }
 
@@ -118,7 +119,7 @@ private:
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
                            tested_form.form->info->name, tested_form.format.name, s.changed_pixels, s.wrong_pixels(),
                            s.count(measure::render::Receiver::sphere, measure::render::Shadow::own_shadow),
-                           s.flipped_shadows(), s.colour_error.quantile(0.99), s.unresolved());
+                           s.flipped_shadows(), s.colour_error.quantile(0.99), s.unresolved_count());
         }
     }
 };

@@ -17,16 +17,16 @@ namespace lostbits {
 
 /// Kind of an operation: where its result comes from, and if it is rounded.
 enum class OperationKind : std::uint8_t {
-    given,       ///< an input, or an integer of the formula's text, which has no operands
-    rounded,     ///< a number computed from numbers and rounded to the format
-    exact,       ///< a number computed from one number of the format without rounding
-    called,      ///< a number computed from many as a whole, without intermediate rounding; its operands are in
-                 ///< `Tape::calls`
-    moved,       ///< a number converted to another one: a neighbour, or the nearest number of another format
-    sign,        ///< a number with the sign of another
-    choice,      ///< one of two numbers
-    comparison,  ///< a decision about two numbers; the value of a decision is 1 or 0
-    logic        ///< a decision made from decisions
+    given,              ///< an input, or an integer of the formula's text, which has no operands
+    rounded,            ///< a number computed from numbers and rounded to the format
+    exact,              ///< a number computed from one number of the format without rounding
+    called,             ///< a number computed from many as a whole, without intermediate rounding; its operands are in
+                        ///< `Tape::calls`
+    next_or_converted,  ///< a number converted to another one: a neighbour, or the nearest number of another format
+    sign,               ///< a number with the sign of another
+    choice,             ///< one of two numbers
+    comparison,         ///< a decision about two numbers; the value of a decision is 1 or 0
+    logic               ///< a decision made from decisions
 };
 
 /// All operations of a tape: enumerator, name in files, kind, number of operands. This is the only list of operations.
@@ -52,9 +52,9 @@ enum class OperationKind : std::uint8_t {
     row(min,           "min",           choice,     2)  \
     row(max,           "max",           choice,     2)  \
     row(select,        "select",        choice,     3)  \
-    row(next_up,       "next_up",       moved,      1)  \
-    row(next_down,     "next_down",     moved,      1)  \
-    row(convert,       "convert",       moved,      1)  \
+    row(next_up,       "next_up",       next_or_converted,      1)  \
+    row(next_down,     "next_down",     next_or_converted,      1)  \
+    row(convert,       "convert",       next_or_converted,      1)  \
     row(less,          "less",          comparison, 2)  \
     row(less_equal,    "less_equal",    comparison, 2)  \
     row(greater,       "greater",       comparison, 2)  \

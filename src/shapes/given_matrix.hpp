@@ -1,4 +1,4 @@
-// Transform of a primitive, whose matrix the user gives as twelve numbers, row by row.
+// The transform of a primitive, whose matrix the user gives as twelve numbers, row by row.
 #pragma once
 
 #include <array>

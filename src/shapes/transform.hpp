@@ -1,4 +1,4 @@
-// Transform of a primitive: the stored numbers of its matrix, and the transformation of rays and points to the space of
+// The transform of a primitive: the stored numbers of its matrix, and the transformation of rays and points to the space of
 // the primitive.
 #pragma once
 

@@ -256,7 +256,7 @@ TEST_CASE("data packed for a page keeps its numbers") {
                                       {"foob", "Zm9vYg=="},
                                       {"fooba", "Zm9vYmE="},
                                       {"foobar", "Zm9vYmFy"}})
-        CHECK(lostbits::output::file::base64(bytes) == text);
+        CHECK(lostbits::output::file::encode_base64(bytes) == text);
     // RFC 4648's examples above; below, differences in two's complement: 0, -1, 1, -2, 2 become 0, 1, 2, 3, 4.
     for (const int width : {4, 8}) {
         CHECK(lostbits::output::report::folded_difference(7, 7, width) == 0);

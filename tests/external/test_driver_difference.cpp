@@ -59,7 +59,7 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
     const Intersector& program = form("sphere.schoolbook");
     const Format& f32 = *find_format("f32");
     const Tape tape = record_tape(program, f32);
-    CHECK(driver_difference(program, program).differing_rays == 0);
+    CHECK(find_driver_difference(program, program).differing_rays == 0);
     for (std::size_t k = 0; k < driver_rewriting_names().size(); ++k) {
         std::vector<NodeId> all;
         rewrite_as_driver(whole(tape), k, nullptr, all);
@@ -70,7 +70,7 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
             for (TapeNode& n : made.nodes)  // a tape without values; a program needs those of constants
                 if (n.op == TapeOp::constant) n.value = n.operands[0];
             const TapeForm driver(program, f32, made, "driver", "");
-            const DriverDifference found = driver_difference(driver.form(), program);
+            const DriverDifference found = find_driver_difference(driver.form(), program);
             CAPTURE(driver_rewriting_names()[k], site);
             if (found.differing_rays == 0) continue;  // it rounds the same on all rays
             REQUIRE(found.rewritings.size() == 1);
@@ -79,7 +79,7 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
         }
     }
     // A driver that answers another question is not explained.
-    CHECK_FALSE(driver_difference(form("sphere.pythagoras"), program).is_explained());
+    CHECK_FALSE(find_driver_difference(form("sphere.pythagoras"), program).is_explained());
 }
 
 }  // namespace test_driver_difference

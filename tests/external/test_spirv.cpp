@@ -152,10 +152,10 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
     const std::string whole = contents(own), binary = contents(spirv);
     const auto read = [](const std::string& assembly) {
         try {
-            const std::string text = intersect::spirv::llvm_text_of(assembly, "/x/own.spv", {}, false);
+            const std::string text = intersect::spirv::translate_to_llvm(assembly, "/x/own.spv", {}, false);
             intersect::function::Module module(text);
-            auto s =
-                intersect::function::signature_of(module, "own.spv", "ball", intersect::function::SourceLanguage::llvm);
+            auto s = intersect::function::read_signature(module, "own.spv", "ball",
+                                                         intersect::function::SourceLanguage::llvm);
             intersect::function::guess_signature(s, {}, "own.spv:ball");
             return true;
         } catch (const InputError&) {

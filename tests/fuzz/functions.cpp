@@ -17,7 +17,7 @@ using namespace intersect::function;
 /// Follows a function of this name: its signature, the function that calls it, and its operations.
 void follow(const std::string& ir, const std::string& name) {
     Module probe(ir);
-    UserSignature signature = signature_of(probe, "own.ll", name, SourceLanguage::llvm);
+    UserSignature signature = read_signature(probe, "own.ll", name, SourceLanguage::llvm);
     guess_signature(signature, {}, "own.ll");
     Module module(ir_wrapper_of(signature, probe, "own.ll"));
     Nodes nodes(signature.bits);
@@ -63,7 +63,7 @@ void fuzz_spirv(std::string_view bytes) {
     answer_or_error([&] {
         const std::string assembly = assembly_of(bytes);
         static_cast<void>(intersect::spirv::source_file_name(assembly));
-        follow(intersect::spirv::llvm_text_of(assembly, "/x/own.spv", {}, true), "ball");
+        follow(intersect::spirv::translate_to_llvm(assembly, "/x/own.spv", {}, true), "ball");
     });
 }
 

@@ -58,7 +58,7 @@ ShaderSource some_shader() {
     ShaderSource shader;
     shader.path = "a.glsl";
     shader.text = "float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }";
-    shader.signature = *signature_of(functions_of(code_tokens(tokens_of(shader.text))).front());
+    shader.signature = *read_signature(find_functions(code_tokens(split_into_tokens(shader.text))).front());
     shader.contract.name = "shader.a";
     return shader;
 }

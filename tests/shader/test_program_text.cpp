@@ -18,8 +18,8 @@ ShaderSource shader_of(const std::string& text) {
     ShaderSource shader;
     shader.path = "a.glsl";
     shader.text = text;
-    for (const Function& f : functions_of(code_tokens(tokens_of(text)))) {
-        if (const auto s = signature_of(f)) shader.signature = *s;
+    for (const Function& f : find_functions(code_tokens(split_into_tokens(text)))) {
+        if (const auto s = read_signature(f)) shader.signature = *s;
     }
     return shader;
 }

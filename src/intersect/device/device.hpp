@@ -68,7 +68,7 @@ public:
         const process::FloatingPointGuard guard;
         return compile_program(text, language);
     }
-    /// Runs this many work groups. DeviceBuffer k has binding k, and no buffer is empty. Throws EnvironmentError for a
+    /// Runs this many work groups. Buffer k has binding k, and no buffer is empty. Throws EnvironmentError for a
     /// lost device.
     void run(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) {
         const process::FloatingPointGuard guard;

@@ -24,29 +24,32 @@ namespace {
 std::vector<std::function<EGLDisplay()>> find_displays() {
     std::vector<std::function<EGLDisplay()>> result;
     const char* const extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
-    const auto has = [extensions](const char* name) {
+    const auto has_extension = [extensions](const char* name) {
         return extensions != nullptr && std::strstr(extensions, name) != nullptr;
     };
 
-    const auto display_of =
+    const auto get_platform_display =
         reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
 
     // Adds a display for each device that the driver lists.
-    if (has("EGL_EXT_platform_device") && has("EGL_EXT_device_enumeration") && display_of != nullptr) {
-        const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
+    if (has_extension("EGL_EXT_platform_device") && has_extension("EGL_EXT_device_enumeration") &&
+        get_platform_display != nullptr) {
+        const auto query_devices = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
         std::array<EGLDeviceEXT, 16> devices{};
         EGLint count = 0;
-        if (query != nullptr && query(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE) {
+        if (query_devices != nullptr &&
+            query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE) {
             for (EGLint i = 0; i < count; ++i)
-                result.emplace_back([device = devices[static_cast<std::size_t>(i)], display_of] {
-                    return display_of(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
+                result.emplace_back([device = devices[static_cast<std::size_t>(i)], get_platform_display] {
+                    return get_platform_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
                 });
         }
     }
 
-    if (has("EGL_MESA_platform_surfaceless") && display_of != nullptr)
-        result.emplace_back(
-            [display_of] { return display_of(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr); });
+    if (has_extension("EGL_MESA_platform_surfaceless") && get_platform_display != nullptr)
+        result.emplace_back([get_platform_display] {
+            return get_platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+        });
     result.emplace_back([] { return eglGetDisplay(EGL_DEFAULT_DISPLAY); });
     return result;
 }
@@ -69,7 +72,7 @@ EGLContext create_context(EGLDisplay display, EGLint minor, bool with_notificati
         EGL_LOSE_CONTEXT_ON_RESET_KHR,
         EGL_NONE};
 
-    // Without a suitable configuration, tries a context without any, which some drivers allow.
+    // If no configuration fits, tries a context without a configuration, which some drivers allow.
     EGLConfig config = nullptr;
     EGLint config_count = 0;
     const std::array<EGLint, 3> config_attributes{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
@@ -78,7 +81,7 @@ EGLContext create_context(EGLDisplay display, EGLint minor, bool with_notificati
     return eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes.data());
 }
 
-/// Makes a context that can run compute programs current. Returns false if the display has no such context.
+/// Creates a context that can run compute programs, and makes it current. Returns false if the display has none.
 bool make_current(EGLDisplay display) {
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return false;
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return false;
@@ -91,7 +94,7 @@ bool make_current(EGLDisplay display) {
     return false;
 }
 
-std::string text_of(GLenum name) {
+std::string gl_string(GLenum name) {
     const GLubyte* const text = glGetString(name);
     return text != nullptr ? reinterpret_cast<const char*>(text) : "unknown";
 }
@@ -110,12 +113,13 @@ class GlDevice : public Device {
 public:
     GlDevice() {
         const auto candidates = find_displays();
-        const auto can_be_current = [](const auto& display) { return make_current(display()); };
-        if (std::ranges::none_of(candidates, can_be_current))
+        const auto try_make_current = [](const auto& display) { return make_current(display()); };
+        if (std::ranges::none_of(candidates, try_make_current))
             fail(
                 "no driver with OpenGL 4.3 works without a window; install one (Debian: libegl-mesa0 "
                 "libgl1-mesa-dri, which compute on the processor)");
-        description_ = {"opengl", text_of(GL_RENDERER), text_of(GL_VENDOR), "OpenGL " + text_of(GL_VERSION), "EGL"};
+        description_ = {"opengl", gl_string(GL_RENDERER), gl_string(GL_VENDOR), "OpenGL " + gl_string(GL_VERSION),
+                        "EGL"};
 
         GLint bytes = 0, groups = 0;
         glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);

@@ -104,7 +104,7 @@ Hit<T> by_span(std::string_view form, const Ray<T>& ray, const S<T>& primitive, 
         return single_root_hit(first_hit.hit, named("t", first_hit.t));
     } else {
         using P = decltype(number::wide::plain_value(ray.origin.x));
-        const auto numbers = numbers_of(ray, primitive);
+        const auto numbers = inputs_of(ray, primitive);
         const FilterResult<T, P> known = prove<S, T, P>(numbers.data());
         if (any_of(number::wide::constant_mask<T>(!known.proved)))
             return decide_in_wider<T>(form, shape_as<S>, numbers, known, watch);

@@ -22,7 +22,7 @@ struct FirstSpanHit {
 /// prove the decision.
 template <class Span>
 struct FallbackLimits {
-    /// The deciding polynomials are of degree at most 12 in the inputs, so this many bits hold them exactly.
+    /// The polynomials that decide have degree at most 12 in the inputs. This many bits hold them exactly.
     static constexpr long enough_bits = 32768;
     /// True if two words with a running bound (an error bound that each operation updates) are tried before balls.
     static constexpr bool tries_running_words = false;
@@ -45,24 +45,24 @@ inline constexpr bool has_exact_sign = !requires(const E& x) {
 /// The near root is c/(−h + √q), or −(h + √q)/a if h is positive. The far root is (−h + √q)/a, or −c/(h + √q). None of
 /// these expressions subtracts. If h = q = 0, the roots are 0, because the line meets the surface only there (c = 0).
 template <class E>
-Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& far) {
+Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& takes_far) {
     const auto is_h_positive = is_roughly_positive(s.h),
-               divides_by_a = (far && !is_h_positive) || (!far && is_h_positive);
+               divides_by_a = (takes_far && !is_h_positive) || (!takes_far && is_h_positive);
     const E magnitude = sqrt(s.q) + select(is_h_positive, s.h, -s.h), n = select(divides_by_a, magnitude, s.c);
     const Fraction<E> root{select(is_h_positive, -n, n), select(divides_by_a, s.a, magnitude)};
     if constexpr (has_exact_sign<E>) return select(magnitude <= E(0), Fraction<E>{E(0), E(1)}, root);
     else return root;
 }
 
-/// The t at which the line enters the primitive, or leaves it if `far`.
+/// The t at which the line enters the primitive, or leaves it if `takes_far`.
 template <class E>
-Fraction<E> end_of(const CappedSpan<E>& s, const mask_t<E>& far) {
-    const auto by_cap = (far && s.leaves_by_cap()) || (!far && s.enters_by_cap());
-    return select(by_cap, select(far, s.planes_exit, s.planes_entry), root_of(s.side, far));
+Fraction<E> end_of(const CappedSpan<E>& s, const mask_t<E>& takes_far) {
+    const auto by_cap = (takes_far && s.leaves_by_cap()) || (!takes_far && s.enters_by_cap());
+    return select(by_cap, select(takes_far, s.planes_exit, s.planes_entry), root_of(s.side, takes_far));
 }
 template <class E>
-Fraction<E> end_of(const JoinedSpan<E>& s, const mask_t<E>& far) {
-    return root_of(select(far, s.leave, s.enter), far);
+Fraction<E> end_of(const JoinedSpan<E>& s, const mask_t<E>& takes_far) {
+    return root_of(select(takes_far, s.leave, s.enter), takes_far);
 }
 
 template <class E>
@@ -76,18 +76,18 @@ FirstSpanHit<E> hit_at(const mask_t<E>& hit, const Fraction<E>& root) {
 template <class E>
 FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
     const E zero(0);
-    const auto is_outside = s.c > zero, far = s.c < zero || (!is_outside && s.h > zero);
-    return hit_at(!is_outside || (s.h < zero && s.q >= zero), root_of(s, far));
+    const auto is_outside = s.c > zero, takes_far = s.c < zero || (!is_outside && s.h > zero);
+    return hit_at(!is_outside || (s.h < zero && s.q >= zero), root_of(s, takes_far));
 }
 
-/// First hit of a closed primitive. The ray hits if its line does not leave the primitive before the ray begins. The
-/// hit is the entry, or the exit if the ray begins behind the entry. A line that meets only the surface, along a cap or
-/// a side, has no point inside: a ray that begins behind the entry of such a line begins on the surface.
+/// First hit of a closed primitive. The ray hits if its line meets the primitive and does not leave it before the ray
+/// begins. The hit is the entry, or the exit if the ray begins behind the entry. A line along a cap or a side meets
+/// only the surface. A ray on such a line that begins behind the entry begins on the surface, so its t is 0.
 template <class E, template <class> class Span>
 requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>& s) {
-    const auto far = s.compare_entry(ZeroParameter{}).less;
-    FirstSpanHit<E> first_hit = hit_at(s.meets_closed() && !s.compare_exit(ZeroParameter{}).less, end_of(s, far));
-    if constexpr (has_exact_sign<E>) first_hit.t = select(far && !s.meets_open(), E(0), first_hit.t);
+    const auto takes_far = s.compare_entry(ZeroParameter{}).less;
+    FirstSpanHit<E> first_hit = hit_at(s.meets_closed() && !s.compare_exit(ZeroParameter{}).less, end_of(s, takes_far));
+    if constexpr (has_exact_sign<E>) first_hit.t = select(takes_far && !s.meets_open(), E(0), first_hit.t);
     return first_hit;
 }
 

@@ -135,7 +135,7 @@ auto Compiler::ir_of_shader() -> FileText {
         std::istringstream in(result.source);
         for (std::string line; std::getline(in, line);) lines.lines.push_back(line);
     }
-    result.ir = spirv::llvm_text_of(assembly, file_.string(), lines, has_opaque_pointers());
+    result.ir = spirv::translate_to_llvm(assembly, file_.string(), lines, has_opaque_pointers());
     return result;
 }
 

@@ -371,7 +371,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
 
     // Finds out which argument is what.
     Module probe(is_ir ? file.ir : probed_ir(compiler, language, parts, user_function->source));
-    UserSignature signature = signature_of(probe, user_function->path, parts.function, language);
+    UserSignature signature = read_signature(probe, user_function->path, parts.function, language);
     guess_signature(signature,
                     parts.signature.empty()
                         ? signature_in_comments(user_function->source, user_function->path, signature.line)
@@ -381,8 +381,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     // Records the operations of the function.
     const std::string wrapper =
         is_ir ? ir_wrapper_of(signature, probe, subject)
-              : wrapper_of(signature,
-                           language == SourceLanguage::rust ? user_function->source : compiler.file().string());
+              : write_wrapper(signature,
+                              language == SourceLanguage::rust ? user_function->source : compiler.file().string());
     Module module(is_ir ? wrapper : compiler.compile_to_ir(wrapper, Compiler::Optimisation::on));
     Nodes nodes(signature.bits);
     Walk walk(module, nodes, signature.folder.empty() ? compiler.file().parent_path().string() : signature.folder,

@@ -125,7 +125,7 @@ std::string missing_function_message(const std::string& ir, const std::string& p
 std::string part_text(const Argument& argument, std::size_t offset);
 /// Reads the signature from the debug information of a module. Without debug information, the types are those of the
 /// LLVM IR. Throws InputError if the function does not exist.
-UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
+UserSignature read_signature(Module& module, const std::string& path, const std::string& name, SourceLanguage language);
 /// Sets the roles of the arguments, the answers and the contract: from `stated` if it has them, else guessed from names
 /// and types. Throws InputError, with a comment to write, if a role cannot be guessed.
 void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& message_prefix);
@@ -133,7 +133,7 @@ void guess_signature(UserSignature& signature, const StatedSignature& stated, co
 /// Returns the text of a file that includes the file at the path `file` and defines `lostbits_entry(in, out, hit)`,
 /// which calls the user's function. For Rust, `file` is the text of the user's file, which then precedes the new
 /// function.
-std::string wrapper_of(const UserSignature& signature, const std::string& file);
+std::string write_wrapper(const UserSignature& signature, const std::string& file);
 /// Returns the text of the LLVM IR module followed by the new function.
 std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& message_prefix);
 

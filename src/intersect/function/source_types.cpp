@@ -435,7 +435,8 @@ std::string missing_function_message(const std::string& ir, const std::string& p
     return path + ": has no function " + external::quote_text(name) + text;
 }
 
-UserSignature signature_of(Module& module, const std::string& path, const std::string& name, SourceLanguage language) {
+UserSignature read_signature(Module& module, const std::string& path, const std::string& name,
+                             SourceLanguage language) {
     const IrFunction& definition = find_definition(module, path, name, language);
     const std::string_view subprogram = module.metadata(definition.subprogram);
     UserSignature signature;

@@ -111,7 +111,7 @@ private:
         return components;
     }
 
-    /// Gives positions to those of the `allowed` blocks that `entry` reaches. The components follow one another, and
+    /// Gives positions to the `allowed` blocks that `entry` reaches. The components follow one another, and
     /// the blocks of each component are arranged again without its head.
     void arrange(int entry, const std::vector<bool>& allowed) {
         const std::vector<std::vector<int>> components = find_components(entry, allowed);

@@ -159,7 +159,8 @@ int Walk::place_of_line(std::string_view line, const CallFrame& frame) {
     return ir_file_.empty() || !is_users_function ? -1 : place_in_ir(line, frame.caller);
 }
 
-/// Index of the place of an instruction in the user's LLVM IR; its column is that of the operation after `%name =`.
+/// Index of the place of an instruction in the user's LLVM IR; its column is where the operation begins, after
+/// `%name =`.
 int Walk::place_in_ir(std::string_view line, int caller) {
     const int line_number = module_.line_of(line);
     const auto [known, is_new] = known_places_.try_emplace({-line_number, caller}, static_cast<int>(places_.size()));

@@ -221,7 +221,7 @@ public:
                     const std::string& message_prefix)
         : signature_(signature), f_(f), writer_(writer), message_prefix_(message_prefix) {}
 
-    /// Returns the list of the parameters. The array after those of the arguments receives the result.
+    /// Returns the list of the parameters. The array after the arrays of the arguments receives the result.
     std::string write() {
         const std::size_t result = signature_.arguments.size();
         if (!f_.parameters.empty() && f_.parameters[0].text.find("sret") != std::string_view::npos)
@@ -286,7 +286,7 @@ void write_inputs(const UserSignature& signature, IrWriter& writer) {
     }
 }
 
-/// Writes the call, and stores its result in the array after those of the arguments.
+/// Writes the call, and stores its result in the array after the arrays of the arguments.
 void write_call(const UserSignature& signature, Module& module, const std::string& message_prefix, IrWriter& writer) {
     const IrFunction& f = *module.find_function(signature.symbol);
     const std::string call = "call " + std::string(f.convention) + " " + std::string(f.returned_text) + " @\"" +
@@ -344,7 +344,7 @@ void write_answers(const UserSignature& signature, const std::string& message_pr
 
 }  // namespace
 
-std::string wrapper_of(const UserSignature& signature, const std::string& file) {
+std::string write_wrapper(const UserSignature& signature, const std::string& file) {
     return signature.language == SourceLanguage::rust ? rust_wrapper(signature, file) : c_wrapper(signature, file);
 }
 

@@ -59,7 +59,7 @@ std::string with_insertions(const std::string& text, const std::vector<Insertion
 /// `initialize_uniforms`, uniforms get no value.
 std::string as_compute_code(const std::string& original, bool initialize_uniforms = true) {
     std::string text = original;
-    const std::vector<Token> tokens = tokens_of(original);
+    const std::vector<Token> tokens = split_into_tokens(original);
     int depth = 0;
     std::vector<Insertion> insertions;
     std::size_t version_line = 0;
@@ -104,7 +104,7 @@ std::string as_compute_code(const std::string& original, bool initialize_uniform
 /// provide, and names of other stages. Constants are written as `#define`, because an `#extension` directive of the
 /// text may come after directives, but not after declarations. Outputs and channels are variables.
 std::string site_declarations(const std::string& text) {
-    const std::vector<Token> code = code_tokens(tokens_of(text));
+    const std::vector<Token> code = code_tokens(split_into_tokens(text));
     static const std::set<std::string_view> site_types{"float", "int", "vec2", "vec3", "vec4", "sampler2D"};
     std::set<std::string_view> used, declared;
     for (std::size_t i = 0; i < code.size(); ++i) {
@@ -280,7 +280,7 @@ std::string convert_precision(const std::string& text, bool to_doubles) {
     std::string result;
     std::size_t copied = 0;
     bool in_precision = false;
-    for (const Token& token : tokens_of(text)) {
+    for (const Token& token : split_into_tokens(text)) {
         std::string replacement(token.text);
         if (token.kind == Token::Kind::number) replacement = converted_number(token.text, to_doubles);
         if (token.kind == Token::Kind::name) {

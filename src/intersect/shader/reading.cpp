@@ -54,7 +54,7 @@ std::size_t end_of(std::string_view text, std::size_t begin, Token::Kind& kind) 
 
 }  // namespace
 
-std::vector<Token> tokens_of(std::string_view text) {
+std::vector<Token> split_into_tokens(std::string_view text) {
     std::vector<Token> tokens;
     std::size_t line = 1, line_begin = 0;
     bool first_of_line = true, in_directive = false;
@@ -164,7 +164,7 @@ std::string Function::declaration() const {
     return text + ")";
 }
 
-std::vector<Function> functions_of(const std::vector<Token>& code) {
+std::vector<Function> find_functions(const std::vector<Token>& code) {
     std::vector<Function> functions;
     const std::vector<std::size_t> closing = closing_brackets(code);
     int depth = 0;
@@ -256,7 +256,7 @@ long long bound_of(const std::vector<Token>& code, std::size_t index,
 
 }  // namespace
 
-std::vector<CountedLoop> loops_of(const std::vector<Token>& tokens, const std::vector<Token>& code) {
+std::vector<CountedLoop> find_counted_loops(const std::vector<Token>& tokens, const std::vector<Token>& code) {
     const auto constants = integer_constants(tokens);
     const EndIndices ends(code);
     std::vector<CountedLoop> loops;

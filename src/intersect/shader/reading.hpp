@@ -20,7 +20,7 @@ struct Token {
 
 /// Reads every token. A byte that GLSL does not know becomes a sign. A comment without an end reaches to the end of the
 /// text.
-std::vector<Token> tokens_of(std::string_view text);
+std::vector<Token> split_into_tokens(std::string_view text);
 
 /// Returns the tokens that are neither in comments nor in directives.
 std::vector<Token> code_tokens(const std::vector<Token>& tokens);
@@ -42,7 +42,7 @@ struct Function {
 };
 
 /// Returns every function with a body, in the order of the file. `code` holds the tokens that `code_tokens` returns.
-std::vector<Function> functions_of(const std::vector<Token>& code);
+std::vector<Function> find_functions(const std::vector<Token>& code);
 
 /// A loop that an integer in the file bounds, or that has no bound.
 struct CountedLoop {
@@ -50,11 +50,11 @@ struct CountedLoop {
 
     std::size_t line;
     long long iterations;         ///< largest number of iterations
-    long long nested_iterations;  ///< `iterations` times those of all enclosing loops
+    long long nested_iterations;  ///< `iterations` times the iterations of all enclosing loops
 };
 
 /// Returns the loops whose header has an integer, and the loops without an end. `tokens` holds the tokens of the file,
 /// `code` those that `code_tokens` returns.
-std::vector<CountedLoop> loops_of(const std::vector<Token>& tokens, const std::vector<Token>& code);
+std::vector<CountedLoop> find_counted_loops(const std::vector<Token>& tokens, const std::vector<Token>& code);
 
 }  // namespace lostbits::intersect::shader

@@ -267,7 +267,7 @@ const std::string_view known_signatures =
     "\n  float march(vec3 ro, vec3 rd)"
     "\n  float map(vec3 p)\n";
 
-std::optional<Signature> signature_of(const Function& function, bool is_named_by_user) {
+std::optional<Signature> read_signature(const Function& function, bool is_named_by_user) {
     return SignatureReader(function, is_named_by_user).read();
 }
 

@@ -33,9 +33,9 @@ struct Signature {
     std::vector<std::string> outputs;    ///< the expressions in `arguments` that hold t, or near and far
 };
 
-/// Returns the signature of a function; empty if the types are not those of an intersector. A march and a field must
+/// Returns the signature of a function; empty if its types do not fit an intersector. A march and a field must
 /// have a name such as `march` or `map`, unless the user named the function.
-std::optional<Signature> signature_of(const Function& function, bool is_named_by_user = false);
+std::optional<Signature> read_signature(const Function& function, bool is_named_by_user = false);
 
 /// Description of the recognised signatures, for messages.
 extern const std::string_view known_signatures;

@@ -125,7 +125,7 @@ std::vector<Function> candidate_functions(const std::vector<Function>& functions
     std::vector<Function> best;
     auto kind = Signature::Kind::field;
     for (const Function& f : functions) {
-        const auto signature = signature_of(f);
+        const auto signature = read_signature(f);
         if (!signature || (!best.empty() && signature->kind > kind)) continue;
         if (signature->kind < kind) best.clear();
         kind = signature->kind;
@@ -165,7 +165,7 @@ Signature choose_function(const std::string& path, const std::vector<Function>& 
 
     // A function may have overloads of other types.
     for (const Function& f : chosen) {
-        if (auto signature = signature_of(f, function_property != nullptr)) return *signature;
+        if (auto signature = read_signature(f, function_property != nullptr)) return *signature;
     }
     throw InputError(place_text(path, chosen.front()) + ": `" + chosen.front().declaration() +
                      "` does not have the types of an intersector, which are:" + std::string(known_signatures) +
@@ -284,7 +284,7 @@ ShaderSource read_shader(const std::string& argument) {
                         .march = {},
                         .is_hlsl = fs::path(path).extension() == ".hlsl",
                         .loops = {}};
-    const std::vector<Token> tokens = tokens_of(shader.text), code = code_tokens(tokens);
+    const std::vector<Token> tokens = split_into_tokens(shader.text), code = code_tokens(tokens);
 
     // Reads the properties that comments and the command line state. The last of them take precedence.
     std::vector<Property> properties;
@@ -294,7 +294,8 @@ ShaderSource read_shader(const std::string& argument) {
     // Chooses the function, and sets the usual properties of its signature.
     const auto is_function = [](const Property& property) { return property.key == "function"; };
     const auto function = std::find_if(properties.rbegin(), properties.rend(), is_function);
-    shader.signature = choose_function(path, functions_of(code), function == properties.rend() ? nullptr : &*function);
+    shader.signature =
+        choose_function(path, find_functions(code), function == properties.rend() ? nullptr : &*function);
     shader.contract = default_contract(path, shader.signature);
     if (function != properties.rend() && function->where.starts_with("--shader"))
         shader.contract.name = function->value;
@@ -314,7 +315,7 @@ ShaderSource read_shader(const std::string& argument) {
     external::require_valid(shader.contract, path);
 
     // The loops with a bound, or without an end. A field is marched in one more.
-    shader.loops = loops_of(tokens, code);
+    shader.loops = find_counted_loops(tokens, code);
     if (shader.signature.kind == Signature::Kind::field)
         shader.loops.push_back({shader.signature.function.line, shader.march.max_steps, shader.march.max_steps});
     return shader;

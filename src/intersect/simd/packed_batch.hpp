@@ -20,7 +20,7 @@ namespace lostbits::intersect::simd {
 template <class P, class F>
 [[gnu::noinline, gnu::flatten]] P min_distance(const RawTarget<F>& target, const Vec<P>& p) {
     P least(0);
-    for (std::size_t k = 0; k < target.primitives; ++k) {
+    for (std::size_t k = 0; k < target.primitive_count; ++k) {
         const F* const n = target.numbers + max_shape_numbers * k;
         P distance(0);
         Primitives::each([&]<template <class> class S>() {

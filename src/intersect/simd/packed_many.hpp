@@ -37,9 +37,9 @@ private:
     std::size_t lanes_ = 0;
 };
 
-/// The kernels of a form. They are null for a march; in binary64 also if the shape has no kernels for many primitives
-/// or the form does not exist (see `Info::formats`). A kernel takes any number of primitives, allocates no memory, and
-/// does not access memory beyond the spans.
+/// The kernels of a form. Both are null for a march. `f64` is also null if the shape has no kernels for many
+/// primitives, or if the form has no binary64 version (see `Info::formats`). A kernel takes any number of primitives,
+/// allocates no memory, and does not access memory beyond the spans.
 struct ManyFormKernels {
     const Info* info = nullptr;
     bool takes_tmax = false;

@@ -14,7 +14,7 @@ template <class F>
 struct RawTarget {
     const F* numbers;            ///< `max_shape_numbers` numbers for each primitive, in the order of `Primitive`
     const std::uint8_t* shapes;  ///< the shape of each primitive, as the integer value of `Shape`
-    std::size_t primitives;      ///< number of primitives; 1 for a form that does not march
+    std::size_t primitive_count;  ///< number of primitives; 1 for a form that does not march
     MarchConstants<F> march;     ///< only for forms that march
 };
 

@@ -26,7 +26,7 @@ public:
             raw_.numbers = numbers_.data();
             raw_.shapes = shapes_.data();
         }
-        raw_.primitives = target.primitives.size();
+        raw_.primitive_count = target.primitives.size();
         if (target.march) raw_.march = *target.march;
     }
     FlatTarget(const FlatTarget&) = delete;

@@ -8,7 +8,8 @@ namespace {
 /// Beyond __restrict, the compiler gets no help to vectorise. __restrict says that no other pointer writes to the
 /// memory that these pointers address.
 template <class Form>
-[[gnu::flatten]] void by_columns(const float* ray, const float* const* columns, float* __restrict t, std::size_t n) {
+[[gnu::flatten]] void intersect_columns(const float* ray, const float* const* columns, float* __restrict t,
+                                        std::size_t n) {
     const Ray<float> r{{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}};
     const float* __restrict lo_x = columns[0], * __restrict lo_y = columns[1], * __restrict lo_z = columns[2];
     const float* __restrict hi_x = columns[3], * __restrict hi_y = columns[4], * __restrict hi_z = columns[5];
@@ -20,8 +21,8 @@ template <class Form>
 }
 
 template <class Form>
-[[gnu::flatten]] void by_structs(const float* ray, const PlainBox* __restrict boxes, float* __restrict t,
-                                 std::size_t n) {
+[[gnu::flatten]] void intersect_structs(const float* ray, const PlainBox* __restrict boxes, float* __restrict t,
+                                        std::size_t n) {
     const Ray<float> r{{ray[0], ray[1], ray[2]}, {ray[3], ray[4], ray[5]}};
     for (std::size_t i = 0; i < n; ++i) {
         const float* const b = boxes[i].numbers;
@@ -43,8 +44,8 @@ constexpr bool calls_wider_arithmetic = requires(Ray<float> ray, Box<float> box,
 void fill_plain_w256(PlainFormKernels* row) {
     box::BoxForms::for_each([&row]<class Form>() {
         if constexpr (!calls_wider_arithmetic<Form>) {
-            row->columns = by_columns<Form>;
-            row->structs = by_structs<Form>;
+            row->columns = intersect_columns<Form>;
+            row->structs = intersect_structs<Form>;
         }
         ++row;
     });

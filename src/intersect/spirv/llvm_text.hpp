@@ -11,8 +11,8 @@ namespace lostbits::intersect::spirv {
 /// the assembly, in the file `path`. With `has_opaque_pointers`, pointers are written without their targets, as LLVM
 /// does since version 15. An instruction without a counterpart becomes a call of a function whose name begins
 /// with `refusal_prefix`. Throws InputError if the text is not that of a valid module.
-std::string llvm_text_of(const std::string& assembly, const std::string& path, const ShaderLines& lines,
-                         bool has_opaque_pointers);
+std::string translate_to_llvm(const std::string& assembly, const std::string& path, const ShaderLines& lines,
+                              bool has_opaque_pointers);
 
 /// Name of the source file to which the lines of an assembly refer; empty if the assembly names no file.
 std::string source_file_name(const std::string& assembly);

@@ -435,8 +435,8 @@ std::string source_file_name(const std::string& assembly) {
     return file == instructions.end() || file->op != "OpString" ? "" : file->at(0);
 }
 
-std::string llvm_text_of(const std::string& assembly, const std::string& path, const ShaderLines& lines,
-                         bool has_opaque_pointers) {
+std::string translate_to_llvm(const std::string& assembly, const std::string& path, const ShaderLines& lines,
+                              bool has_opaque_pointers) {
     const std::vector<SpirvInstruction> instructions = read_instructions(assembly);
     return Translator(instructions, path, lines, has_opaque_pointers).translate_module();
 }

@@ -73,7 +73,7 @@ std::string program_with_token_lines(const std::string& text, device::Language l
         lines.tokens.push_back({std::string(t.text), static_cast<int>(t.line), static_cast<int>(t.column)});
     };
 
-    const std::vector<shader::Token> tokens = shader::tokens_of(body);
+    const std::vector<shader::Token> tokens = shader::split_into_tokens(body);
     std::size_t end = 0, line = 0, line_directive = 0;
     for (const shader::Token& t : tokens) {
         if (t.kind == shader::Token::Kind::comment) continue;

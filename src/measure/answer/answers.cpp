@@ -35,7 +35,7 @@ namespace {
 template <class S, class Kernel>
 void test_pairs(const Kernel& kernel, RayChunk<S>& chunk, const FormatInputs& in, Answers& answers) {
     in.stop.check();
-    const auto are_same_primitive = [primitives = in.primitives.listed()](std::size_t a, std::size_t b) {
+    const auto are_same_primitive = [primitives = in.primitives.listed_primitives()](std::size_t a, std::size_t b) {
         return std::ranges::equal(primitives[a].shape_numbers(), primitives[b].shape_numbers()) &&
                primitives[a].transform == primitives[b].transform;
     };
@@ -275,14 +275,15 @@ void march_chunk(const Kernel& kernel, RayChunk<S>& chunk, const RayBlock& rays,
     in.stop.check();
     HitBatch<S> hits = chunk.hits();
     hits.march = std::span(answers.march).subspan(chunk.begin(), chunk.count());
-    const intersect::LiftedTarget<S> target(Target<double>(in.primitives.listed(), in.march.value()));
+    const intersect::LiftedTarget<S> target(Target<double>(in.primitives.listed_primitives(), in.march.value()));
     kernel(chunk.batch(), target.get(), hits);
     for (std::size_t i = 0; i < chunk.count(); ++i) {
         if (hits.hit[i] == 0) continue;
         const std::size_t ray_index = chunk.begin() + i;
-        keep_nearest(hits.t[i], ray_index,
-                     nearest_primitive(rays[ray_index], static_cast<double>(hits.t[i]), in.primitives.listed()),
-                     answers);
+        keep_nearest(
+            hits.t[i], ray_index,
+            nearest_primitive(rays[ray_index], static_cast<double>(hits.t[i]), in.primitives.listed_primitives()),
+            answers);
     }
 }
 

@@ -21,7 +21,7 @@ public:
     RayAtMesh(const BandAnswers& band_answers, std::size_t ray)
         : band_answers_(band_answers),
           ray_(ray),
-          first_(band_answers.inputs.primitives.first_of_mesh()),
+          first_(band_answers.inputs.primitives.first_triangle_index()),
           mesh_(band_answers.inputs.primitives.mesh()->mesh()) {}
 
     [[nodiscard]] Outcome find_outcome(std::int32_t true_primitive, Outcome plain_outcome) const {

@@ -15,7 +15,7 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::ProofLimit limit) {
                          " has columns 0 to " + std::to_string(scene.width - 1) + " and rows 0 to " +
                          std::to_string(scene.height - 1));
     }
-    if (scene.inputs == scene::file::Inputs::shared) {
+    if (scene.inputs == scene::file::InputRounding::shared) {
         // The ray gets a band of its own. In a band with the other rays of its row, it would be tested against many
         // more spheres.
         const scene::rays::RayBlock row = scene::rays::make_shared_rays(scene, y, y + 1);
@@ -34,7 +34,8 @@ OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::ProofLimit limit
     single_ray.push(ray);
     single_ray.mark_as_list();
     scene::rays::put_range(scene, single_ray);
-    if (scene.inputs == scene::file::Inputs::own) band_ = std::make_unique<Band>(scene, std::move(single_ray), limit);
+    if (scene.inputs == scene::file::InputRounding::own)
+        band_ = std::make_unique<Band>(scene, std::move(single_ray), limit);
     else make_band(scene, scene::rays::round_rays(single_ray, binary64), limit);
 }
 

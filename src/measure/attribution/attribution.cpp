@@ -104,7 +104,7 @@ private:
                     without_rounding<Exact>(n, [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
                 break;
             case OperationKind::called: evaluate_call(i); break;
-            case OperationKind::moved: exact(i) = exact(n.operands[0]); break;
+            case OperationKind::next_or_converted: exact(i) = exact(n.operands[0]); break;
             case OperationKind::sign: evaluate_sign(i); break;
             case OperationKind::choice: evaluate_choice(i); break;
             case OperationKind::comparison:
@@ -185,7 +185,7 @@ private:
 
                 case OperationKind::given:
                 case OperationKind::exact:  // rounding the operand alone costs half an ulp, which is no bit
-                case OperationKind::moved:  // its change is intended
+                case OperationKind::next_or_converted:  // its change is intended
                 case OperationKind::choice:
                 case OperationKind::comparison:
                 case OperationKind::logic: break;

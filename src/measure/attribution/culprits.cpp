@@ -209,7 +209,7 @@ RayAttribution Attributor::attribute_ray(const Ray<double>& ray, const Target<do
     result.ulp = ulp_at(attribution_[subject].exact, format_.parameters);
 
     if (with_counterfactuals_ && attribution_.culprit != no_node && subject == tape_.outputs.t)
-        result.culprit_alone = counterfactuals(tape_, attribution_.culprit);
+        result.culprit_alone = run_counterfactuals(tape_, attribution_.culprit);
 
     // Finds the category of the culprit. A plain miss has none; category 0 means that there is no culprit.
     if (categories_.empty() || is_plain_miss(tape_, attribution_)) return result;

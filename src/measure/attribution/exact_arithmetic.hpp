@@ -45,7 +45,7 @@ struct DeepExact {
     using Number = BasicReal<2048>;
     static constexpr int bits = 2048;
 
-    /// ErrorFactors and roots that are equal may differ by their rounding. So a sum below 2^-1900 of its parts becomes
+    /// Factors and roots that are equal may differ by their rounding. So a sum below 2^-1900 of its parts becomes
     /// zero. Otherwise the sign of an offset that is zero (h of a foot point, dot(p, d)) would be the sign of noise.
     static Number sum(const Number& a, const Number& b) {
         const Number s = a + b;

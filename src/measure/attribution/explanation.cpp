@@ -369,7 +369,7 @@ void explain_template(Explanation& explanation, const OneRay& ray, const OneRay:
     // Attributes the error to its operations.
     explanation.attribution = attribute(tape, {.full = true});
     if (explanation.attribution.culprit != no_node)
-        explanation.culprit_alone = counterfactuals(tape, explanation.attribution.culprit);
+        explanation.culprit_alone = run_counterfactuals(tape, explanation.attribution.culprit);
     explanation.hit = tape[tape.outputs.hit].value != 0;
     explanation.result = result_of_answer(form, format, ray, explanation.hit, tape[tape.outputs.t].value);
 }

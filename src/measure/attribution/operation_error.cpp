@@ -53,7 +53,7 @@ bool can_err(TapeOp op) {
         case OperationKind::given: return op == TapeOp::constant;
         case OperationKind::rounded:
         case OperationKind::called:
-        case OperationKind::moved:
+        case OperationKind::next_or_converted:
         case OperationKind::sign:
         case OperationKind::choice: return true;
         case OperationKind::exact:
@@ -81,7 +81,7 @@ double rounding_of(const Tape& tape, NodeId i) {
         case OperationKind::rounded:
             return visit_operation<OperationKind::rounded>(n.op,
                                                            [&]<TapeOp op>() { return rounding_from<op>(x, n.value); });
-        case OperationKind::moved: return n.value - x[0];
+        case OperationKind::next_or_converted: return n.value - x[0];
         case OperationKind::called: {
             const auto exact = result_of_call<DeepExact>(
                 tape, i, [&](NodeId operand) { return DeepExact::lift(tape[operand].value); });
@@ -119,7 +119,7 @@ double ulp_at(double x, const FloatFormat& format) {
 
 double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& format) {
     using enum OperationKind;
-    return visit_operation<rounded, exact, moved, sign>(op, [&]<TapeOp known_op>() {
+    return visit_operation<rounded, exact, next_or_converted, sign>(op, [&]<TapeOp known_op>() {
         return with_operands<known_op>(
             [&](auto... operands) { return Operation<known_op>::computed(operands..., format); },
             [&](std::size_t k) { return x[k]; });
@@ -137,7 +137,7 @@ ErrorFactors error_factors_of(const TapeNode& n, const std::array<OperandError, 
         case OperationKind::sign:
             return visit_operation<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(
                 n.op, quotients_of_kind);
-        case OperationKind::moved: return {1};
+        case OperationKind::next_or_converted: return {1};
         case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {
             ErrorFactors q;

@@ -58,8 +58,8 @@ constexpr const OperationText& text_of(TapeOp op) {
 
 static_assert(std::ranges::all_of(tape_operations,
                                   [](const TapeOpRow& row) {
-                                      const bool rounds =
-                                          row.kind == OperationKind::rounded || row.kind == OperationKind::moved;
+                                      const bool rounds = row.kind == OperationKind::rounded ||
+                                                          row.kind == OperationKind::next_or_converted;
                                       const OperationText& text = text_of(row.op);
                                       return !rounds || !text.c_wide.empty() || !text.missing_in_c.empty();
                                   }),

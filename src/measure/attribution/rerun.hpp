@@ -32,6 +32,6 @@ struct Counterfactuals {
     Counterfactual only_rounded;
 };
 
-Counterfactuals counterfactuals(const Tape& tape, NodeId operation);
+Counterfactuals run_counterfactuals(const Tape& tape, NodeId operation);
 
 }  // namespace lostbits::measure::attribution

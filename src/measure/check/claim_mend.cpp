@@ -56,7 +56,7 @@ private:
     std::optional<repair::QualityMeasurer> measurer_;
     Tape tape_;
     repair::FormQuality own_quality_{};
-    std::optional<repair::Rewriting> rewriting_;
+    std::optional<repair::RewritingResult> rewriting_;
 };
 
 double measured_value(const Claim& claim, MendedForm& form) {
@@ -67,7 +67,8 @@ double measured_value(const Claim& claim, MendedForm& form) {
     if (claim.metric == "wrong_fraction")
         return value_of_rewritten([](const auto& r) { return r.quality.wrong_fraction(); });
     if (claim.metric == "kept_bits") return value_of_rewritten([](const auto& r) { return r.quality.kept_bits; });
-    if (claim.metric == "operations") return value_of_rewritten([](const auto& r) { return r.operations; });
+    if (claim.metric == "operations")
+        return value_of_rewritten([](const auto& r) { return r.rounding_operation_count; });
     if (claim.metric == "wider_operations") return form.count_wider_operations();
     scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric +
                                           "\"; for a form that is mended, write wrong_fraction, kept_bits or "

@@ -121,7 +121,7 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
         }
 
         result = judge(claim, onset->found ? onset->first_bad : missing, nullptr);
-        if (request.sweep.has_random_rays()) result.samples = onset->views;
+        if (request.sweep.has_random_rays()) result.samples = onset->view_count;
         if (!onset->found) result.reason = "it does not happen within the sweep";
     }
 }

@@ -131,7 +131,7 @@ constexpr ArithmeticRow measured_rows[] = {
 std::vector<double> find_nearest(const evaluate::TestedForm& tested_form, const FormatInputs& in, bool passes_on) {
     const std::size_t ray_count = in.rays.size();
     std::vector<double> best(ray_count, HUGE_VAL);
-    for (const Primitive<double>& primitive : in.primitives.listed()) {
+    for (const Primitive<double>& primitive : in.primitives.listed_primitives()) {
         FormatInputs single_inputs{
             .format = in.format, .rays = in.rays, .primitives = std::vector{primitive}, .stop = in.stop};
         if (passes_on) single_inputs.rays.tmax = best;

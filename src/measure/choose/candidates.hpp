@@ -102,7 +102,7 @@ Format computing_format(const evaluate::TestedForm& tested_form);
 
 /// Numbers of rays and primitives that were timed, see `trade::SceneWork`.
 struct TimedRays {
-    std::size_t rays = 0, primitives = 0;
+    std::size_t ray_count = 0, primitive_count = 0;
 };
 
 /// Measures every form, in the request's order, and times it on rays of the scene or of the files.

@@ -155,11 +155,11 @@ std::optional<Measurement> measure_scene(const ChoiceRequest& request, const eva
     const FormQuality quality = measure_quality_on(band, tested_form, request.requirement);
     request.progress(band.pixels());
 
-    if (scene.inputs == scene::file::Inputs::own) return Measurement{larger_scene->value, quality, true};
+    if (scene.inputs == scene::file::InputRounding::own) return Measurement{larger_scene->value, quality, true};
 
     // Shared inputs were rounded, and a large growth may make another scene of them.
     Scene ideal = scene;
-    ideal.inputs = scene::file::Inputs::own;
+    ideal.inputs = scene::file::InputRounding::own;
     culling::Culler ideal_culler(ideal);
     const truth::Band ideal_band(ideal, 0, ideal.height, request.limit, &ideal_culler);
     return Measurement{larger_scene->value, quality, matches_ideal_scene(band, ideal_band)};
@@ -221,7 +221,7 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
                                            .tested_forms = {{tested_form}},
                                            .strategies = offset::all_strategies(),
                                            .limit = limit,
-                                           .finds_quiet_offset = false};
+                                           .search_quiet_offset = false};
     const offset::OffsetSummary summary = std::move(study::run_study(offset_study).front());
 
     SafeOffsets safe;

@@ -212,7 +212,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
     if (request.scene) take_smaller_picture(request, pixels, rays);
     else take_sample_of_files(request, pixels, rays);
     const Band& band = *rays.band;
-    obstacle.rounds_to_binary32_first = rays.scene && rays.scene->inputs == scene::file::Inputs::shared;
+    obstacle.rounds_to_binary32_first = rays.scene && rays.scene->inputs == scene::file::InputRounding::shared;
 
     // Bits that the inputs allow in the form's own format and in f64, and bits that the form keeps.
     const InherentLimit row_limit = inherent(band, tested_form, tested_form.format, request.requirement);

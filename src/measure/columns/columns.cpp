@@ -162,7 +162,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
 
     // A kernel takes primitives of one shape without matrices.
     const bool has_one_shape =
-        std::ranges::all_of(points.primitives.listed(), has_shape) &&
+        std::ranges::all_of(points.primitives.listed_primitives(), has_shape) &&
         (!points.primitives.flake() || shape == scene::sphere::Sphereflake::shape) &&
         (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.transform));
 
@@ -184,7 +184,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
         for (std::size_t i = 0; i < rays_per_block; ++i) load_primitive(i, 0);
     }
 
-    const std::span<const Primitive<double>> listed = points.primitives.listed();
+    const std::span<const Primitive<double>> listed = points.primitives.listed_primitives();
     const scene::rays::RayBlock& rays = points.rays;
     for (std::size_t begin = 0; begin < answers.size(); begin += rays_per_block) {
         const std::size_t size = std::min(rays_per_block, answers.size() - begin);

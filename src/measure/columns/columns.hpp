@@ -14,7 +14,7 @@
 namespace lostbits::measure::columns {
 
 /// Truth of a band by one convention, with t in the unit of one kind of direction. |t*| is hi + lo. hi is NaN if there
-/// is no hit, if t* is 0, or if doubles cannot hold both parts (see `errors_of`). `inverse` is 1/2^⌊log2 t*⌋.
+/// is no hit, if t* is 0, or if doubles cannot hold both parts (see `compute_errors`). `inverse` is 1/2^⌊log2 t*⌋.
 struct TrueLengths {
     std::vector<truth::Truth::Decision> decision;
     std::vector<std::int32_t> object;

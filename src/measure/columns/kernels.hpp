@@ -84,7 +84,7 @@ template <class P, class Step>
 /// 2^854]. It does not go below 2^-1022: |difference| is at least an ulp of lo, 2^-253 of hi. Rays outside that range
 /// are left to the caller.
 template <class Width>
-[[gnu::flatten]] void errors_of(RawErrors& batch) {
+[[gnu::flatten]] void compute_errors(RawErrors& batch) {
     using P = Pack<double, Width>;
     const double *const answers = batch.in[RawErrors::answer], *const truth_hi = batch.in[RawErrors::hi];
     const double *const truth_lo = batch.in[RawErrors::lo], *const inverses = batch.in[RawErrors::inverse];
@@ -218,7 +218,7 @@ template <bool binary32, class P, class Width>
 }
 
 template <bool binary32, class Width, class Residual>
-[[gnu::always_inline]] inline void residuals_of(RawResiduals& batch, const Residual& residual) {
+[[gnu::always_inline]] inline void compute_residuals(RawResiduals& batch, const Residual& residual) {
     using P = Pack<double, Width>;
     const double* in[RawResiduals::columns_in];
     for (int k = 0; k < RawResiduals::columns_in; ++k) in[k] = batch.in[k];
@@ -251,7 +251,7 @@ template <bool binary32, class Width, class Residual>
 template <template <class> class S, bool binary32, class Width>
 [[gnu::flatten]] void residuals_in(RawResiduals& batch) {
     using P = Pack<double, Width>;
-    residuals_of<binary32, Width>(
+    compute_residuals<binary32, Width>(
         batch, [](const P* p, const auto& primitive, P& value)
                    __attribute__((always_inline)) { return find_residual<S>(p, primitive, value); });
 }

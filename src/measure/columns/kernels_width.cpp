@@ -5,7 +5,7 @@
 namespace lostbits::measure::columns {
 
 RawKernels LOSTBITS_WITH_WIDTH_SUFFIX(raw_kernels)() {
-    RawKernels kernels{.errors = errors_of<BuildRegisters>,
+    RawKernels kernels{.errors = compute_errors<BuildRegisters>,
                        .residuals = {},
                        .absolute_sums = add_absolute_values<BuildRegisters>,
                        .hits32 = keep_nearest<float, BuildRegisters>,

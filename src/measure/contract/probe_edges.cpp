@@ -121,15 +121,15 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
         if (is_upright && !has_axis(trial.shape)) continue;
         const Places places = questions_at_places(trial, distribution, is_upright);
         const WrongCount unscaled = count_wrong_at_scale(trial, places, 0);
-        tested += unscaled.tested;
+        tested += unscaled.tested_count;
 
         // Any wrong answer ends the probe. It is a warning if few are wrong, or if upright primitives are right.
-        if (unscaled.wrong > 0) {
+        if (unscaled.wrong_count > 0) {
             const bool is_oblique = !is_upright && has_axis(trial.shape);
             const std::string text = fmt::format(
                 "{} of {} rays are answered wrongly that cross the surface near a place where its parts meet; the "
                 "first is {}{}",
-                unscaled.wrong, unscaled.tested, unscaled.first_text,
+                unscaled.wrong_count, unscaled.tested_count, unscaled.first_text,
                 is_oblique ? "; where axes lie along x, y or z it is right" : "");
             return unscaled.is_many() && !is_oblique ? trial.report_broken(text) : trial.report_warning(text);
         }
@@ -138,7 +138,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
         for (const int power : scale_powers)
             if (const WrongCount count = count_wrong_at_scale(trial, places, power);
                 count.is_many() && scale_limit.empty())
-                scale_limit = scale_text(power, count.wrong, count.tested);
+                scale_limit = scale_text(power, count.wrong_count, count.tested_count);
     }
 
     report_right(

@@ -113,13 +113,14 @@ std::string ignored_length_text(const Trial& trial, const std::vector<Question>&
             q.primitive[k] = 0;
             answered.right = trial.truth(q);
         }
-        if (WrongCount(trial, without_length).wrong == 0) text = fmt::format("; it seems to ignore the {}", key.name);
+        if (WrongCount(trial, without_length).wrong_count == 0)
+            text = fmt::format("; it seems to ignore the {}", key.name);
     });
     return text;
 }
 
 std::string wrong_count_text(const WrongCount& count, const Aim& aim) {
-    return std::to_string(count.wrong) + " of " + std::to_string(count.tested) + " rays " + aim.text +
+    return std::to_string(count.wrong_count) + " of " + std::to_string(count.tested_count) + " rays " + aim.text +
            " are answered wrongly, none of them near an edge; the first: " + count.first_text;
 }
 
@@ -241,14 +242,15 @@ std::string wrong_answer_text(const Trial& trial, const Question& question, cons
 
 }  // namespace
 
-WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power) : tested(rays.size()) {
+WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power)
+    : tested_count(rays.size()) {
     std::vector<Question> questions;
     for (const AnsweredQuestion& answered : rays)
         questions.push_back(scale_question(answered.question, trial.shape, power));
     const std::vector<Reply> replies = ask(trial.form, questions);
 
     // Compares at 2^0, where the tolerance is a fraction of the size of the primitive.
-    for (std::size_t i = 0; i < tested; ++i) {
+    for (std::size_t i = 0; i < tested_count; ++i) {
         const auto& [plain, right] = rays[i];
         HitOrMiss answer = read_reply(trial.contract, replies[i], questions[i]);
         answer.t = std::ldexp(answer.t, -power);
@@ -256,7 +258,7 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
             0x1p-5 * half_extent_of(primitive_of(plain, trial.shape)) / length(plain.ray.direction);
         if (right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= tolerance))
             continue;
-        if (wrong++ == 0) first_text = wrong_answer_text(trial, questions[i], right, answer, power);
+        if (wrong_count++ == 0) first_text = wrong_answer_text(trial, questions[i], right, answer, power);
     }
 }
 
@@ -301,8 +303,8 @@ void try_rays(Trial& trial) {
             const std::vector<Question> questions = aimed_questions(trial, aim, is_upright);
             if (questions.size() < 24) continue;  // rays from within a flat shape
             const WrongCount count(trial, add_truths(trial, questions));
-            tested += count.tested;
-            if (count.wrong == 0) continue;
+            tested += count.tested_count;
+            if (count.wrong_count == 0) continue;
 
             // Few wrong answers, and wrong answers only where axes lie at an angle, break no property.
             const bool is_oblique = !is_upright && has_axis(trial.shape);

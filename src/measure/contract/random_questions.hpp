@@ -68,7 +68,7 @@ std::vector<AnsweredQuestion> add_truths(const Trial& trial, const std::vector<Q
 
 /// Number of wrong answers among some rays, and a description of the first.
 struct WrongCount {
-    std::size_t tested = 0, wrong = 0;
+    std::size_t tested_count = 0, wrong_count = 0;
     std::string first_text = {};
 
     WrongCount() = default;
@@ -76,10 +76,10 @@ struct WrongCount {
     WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& rays, int power = 0);
     /// True if more than one answer in twenty is wrong. Fewer wrong answers may be due to rounding in the format, and
     /// do not count as a mistake of the form.
-    [[nodiscard]] bool is_many() const { return 20 * wrong > tested; }
+    [[nodiscard]] bool is_many() const { return 20 * wrong_count > tested_count; }
     void add(const WrongCount& other) {
-        tested += other.tested;
-        wrong += other.wrong;
+        tested_count += other.tested_count;
+        wrong_count += other.wrong_count;
         if (first_text.empty()) first_text = other.first_text;
     }
 };

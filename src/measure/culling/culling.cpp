@@ -134,7 +134,7 @@ namespace {
 /// Primitives of a scene with shared inputs. A form that marches needs them in memory one by one.
 PrimitiveList<double> shared_of(const scene::file::Scene& scene) {
     return scene.march ? PrimitiveList(scene::rays::shared_primitives(scene))
-                       : scene::rays::shared_primitive_list(scene);
+                       : scene::rays::make_shared_primitive_list(scene);
 }
 
 bool are_many(const PrimitiveList<double>& primitives) {
@@ -152,9 +152,9 @@ std::shared_ptr<const PrimitiveIndex> make_index(const PrimitiveList<double>& pr
 
 Culler::Culler(const scene::file::Scene& scene) {
     // Primitives.
-    const bool has_own_inputs = scene.inputs == scene::file::Inputs::own;
+    const bool has_own_inputs = scene.inputs == scene::file::InputRounding::own;
     if (has_own_inputs)
-        ideal_ = scene.march ? PrimitiveList<Real>(scene.primitives()) : scene::rays::ideal_primitive_list(scene);
+        ideal_ = scene.march ? PrimitiveList<Real>(scene.primitives()) : scene::rays::make_ideal_primitive_list(scene);
     else stored_ = shared_of(scene);
     if (scene.primitive_count() < min_primitives && !scene.mesh) return;
 

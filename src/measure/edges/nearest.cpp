@@ -90,7 +90,7 @@ struct SearchedMesh {
         return found == edges.end() ? nullptr : &*found;
     }
 
-    std::shared_ptr<const scene::rays::MeshColumns> columns;
+    std::shared_ptr<const scene::rays::StoredMesh> columns;
     std::vector<SharedEdge> edges;
 };
 

@@ -40,7 +40,7 @@ struct JudgeRequest {
     /// Primitives of all rays, in the format of the ray file. If neither these nor a mesh are given, each ray has its
     /// own.
     std::vector<Primitive<double>> primitives = {};
-    std::shared_ptr<const scene::rays::MeshColumns> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
+    std::shared_ptr<const scene::rays::StoredMesh> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
     std::optional<intersect::MarchConstants<double>> march = {};
     std::vector<evaluate::TestedForm> tested_forms = {};
     /// Form of the file's answers (`FileForm`); null if the file has none.

@@ -43,7 +43,7 @@ public:
     MeshAnswersResult run() {
         while (read_pieces()) measure(complete_answers());
         measure(pending_.size());
-        if (result_.rays == 0)
+        if (result_.answers == 0)
             throw InputError(ray_file_.name() + ": has no records; write one for each ray or point after the header");
         return std::move(result_);
     }
@@ -79,12 +79,12 @@ private:
             require_next(chunk, i);
         } else {
             pending_.push_back(
-                {.record = chunk.first + i, .ray = chunk.rays[i], .range = chunk.rays.range(i), .count = count});
-            if (is_list()) pending_.back().count = 0;
+                {.record = chunk.first + i, .ray = chunk.rays[i], .range = chunk.rays.range(i), .answer_count = count});
+            if (is_list()) pending_.back().answer_count = 0;
         }
         if (!is_list() || count < 0) return;
         pending_.back().hits.push_back({chunk.object[i], chunk.t.empty() ? 0 : chunk.t[i]});
-        ++pending_.back().count;
+        ++pending_.back().answer_count;
     }
     /// Throws unless this hit, which is not the first of its ray, continues the last ray. Within a chunk, the reader
     /// has already checked that.
@@ -92,7 +92,7 @@ private:
         const auto throw_error = [&](const std::string& why) {
             throw InputError(chunk.first_place + ": hit_index is " + std::to_string(chunk.counts[i]) + "; " + why);
         };
-        if (pending_.empty() || pending_.back().count != chunk.counts[i])
+        if (pending_.empty() || pending_.back().answer_count != chunk.counts[i])
             throw_error("the hits of a ray follow each other in the order of their hit_index, from 0");
         const Ray<double> ray = chunk.rays[i], &last_ray = pending_.back().ray;
         if (ray.origin != last_ray.origin || ray.direction != last_ray.direction)
@@ -129,8 +129,8 @@ private:
             find_errors(answer);
             return;
         }
-        answer.judgement.outcome = judge_count(answer.ray, answer.count, result_.kind == AnswerKind::parity, crossings,
-                                               *request_.mesh, request_.contract);
+        answer.judgement.outcome = judge_count(answer.ray, answer.answer_count, result_.kind == AnswerKind::parity,
+                                               crossings, *request_.mesh, request_.contract);
         answer.judgement.crossings = SurfaceCrossings(crossings, request_.contract.facing).all().size();
     }
     void judge_point(JudgedAnswer& answer, const crossing::Triangles& triangles) const {
@@ -138,30 +138,31 @@ private:
         const bool is_balanced = request_.mesh->mesh().edges.unbalanced == 0;
         const bool is_inside = is_balanced ? position.winding != 0 : position.crossings % 2 != 0;
         answer.winding = position.winding;
-        answer.judgement.outcome = !position.is_resolved              ? MeshOutcome::unresolved
-                                   : position.is_on_surface           ? MeshOutcome::on_surface
-                                   : is_inside == (answer.count != 0) ? MeshOutcome::agree
-                                   : is_inside                        ? MeshOutcome::false_outside
-                                                                      : MeshOutcome::false_inside;
+        answer.judgement.outcome = !position.is_resolved                     ? MeshOutcome::unresolved
+                                   : position.is_on_surface                  ? MeshOutcome::on_surface
+                                   : is_inside == (answer.answer_count != 0) ? MeshOutcome::agree
+                                   : is_inside                               ? MeshOutcome::false_outside
+                                                                             : MeshOutcome::false_inside;
     }
     void find_errors(JudgedAnswer& answer) const {
         const FloatFormat& format = ray_file_.format().parameters;
-        answer.ulps.assign(answer.hits.size(), truth::missing);
+        answer.ulp_errors.assign(answer.hits.size(), truth::missing);
         for (std::size_t k = 0; k < answer.hits.size(); ++k) {
             const crossing::MeshCrossing* const owner = answer.judgement.crossings_of_hits[k];
             const double t = answer.hits[k].t;
             if (owner != nullptr && request_.contract.has_t && !std::isnan(t))
-                answer.ulps[k] =
+                answer.ulp_errors[k] =
                     truth::ulp_error(t, request_.contract.unit_direction ? owner->distance : owner->t, format);
         }
         answer.judgement.crossings_of_hits.clear();  // the crossings do not outlive `judge`
     }
 
     void add(const JudgedAnswer& answer) {
-        ++result_.rays;
+        ++result_.answers;
         const auto outcome = static_cast<std::size_t>(answer.judgement.outcome);
         ++result_.outcomes[outcome];
-        if (is_fault(answer.judgement.outcome) && !result_.first[outcome]) result_.first[outcome] = answer;
+        if (is_fault(answer.judgement.outcome) && !result_.first_faults[outcome])
+            result_.first_faults[outcome] = answer;
 
         result_.crossings += answer.judgement.crossings;
         result_.listed_hits += answer.hits.size();
@@ -170,9 +171,9 @@ private:
         result_.false_hits += answer.judgement.false_hits;
         result_.neighbour_hits += answer.judgement.neighbour_hits;
 
-        for (const double ulps : answer.ulps) {
+        for (const double ulps : answer.ulp_errors) {
             if (std::isnan(ulps)) continue;
-            result_.ulps.add(ulps);
+            result_.ulp_errors.add(ulps);
             result_.lost_bits.add(truth::lost_bits(ulps, ray_file_.format().parameters.precision));
         }
     }

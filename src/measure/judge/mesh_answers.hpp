@@ -16,7 +16,7 @@
 namespace lostbits::measure::judge {
 
 struct MeshAnswersRequest {
-    std::shared_ptr<const scene::rays::MeshColumns> mesh;  ///< in the format of the ray file
+    std::shared_ptr<const scene::rays::StoredMesh> mesh;  ///< in the format of the ray file
     MeshContract contract = {};
     truth::ProofLimit limit = {};
     /// Receives the number of bytes of the file done since the last call; may throw to stop.
@@ -29,9 +29,9 @@ struct JudgedAnswer {
     Ray<double> ray{};         ///< for a point, its origin is the point
     Range<double> range{};
     std::vector<ListedHit> hits = {};  ///< filled for `all_hits` only
-    std::int32_t count = 0;            ///< the answer as in the file; for `all_hits`, the number of hits
+    std::int32_t answer_count = 0;     ///< the answer as in the file; for `all_hits`, the number of hits
     ListJudgement judgement = {};      ///< for kinds other than `all_hits`, only `outcome` and `crossings` are set
-    std::vector<double> ulps = {};     ///< (t − t*)/ulp(t*) of each hit; NaN if the ray does not meet its triangle
+    std::vector<double> ulp_errors = {};  ///< (t − t*)/ulp(t*) of each hit; NaN if the ray does not meet its triangle
     std::int32_t winding = 0;          ///< filled for points only
 };
 
@@ -40,17 +40,19 @@ using ShowAnswers = std::function<void(std::span<const JudgedAnswer> answers)>;
 
 struct MeshAnswersResult {
     scene::ray_file::AnswerKind kind = scene::ray_file::AnswerKind::none;
-    std::uint64_t rays = 0;  ///< rays or points
+    std::uint64_t answers = 0;  ///< rays or points
     std::array<std::uint64_t, mesh_outcome_rows.size()> outcomes{};
     /// The first ray or point of each outcome that is a fault.
-    std::array<std::optional<JudgedAnswer>, mesh_outcome_rows.size()> first{};
+    std::array<std::optional<JudgedAnswer>, mesh_outcome_rows.size()> first_faults{};
     std::uint64_t crossings = 0;  ///< true crossings; not set for points
     /// Number of hits in all lists, and the sums of the counts of `ListJudgement`. Set for lists only.
     std::uint64_t listed_hits = 0, missing_crossings = 0, double_hits = 0, false_hits = 0, neighbour_hits = 0;
-    metric::Distribution ulps, lost_bits;  ///< of the hits whose triangle the ray meets
+    metric::Distribution ulp_errors, lost_bits;  ///< of the hits whose triangle the ray meets
     std::uint64_t rounded_count = 0;       ///< number of values in the file that its format cannot represent
 
-    [[nodiscard]] std::uint64_t count(MeshOutcome outcome) const { return outcomes[static_cast<std::size_t>(outcome)]; }
+    [[nodiscard]] std::uint64_t outcome_count(MeshOutcome outcome) const {
+        return outcomes[static_cast<std::size_t>(outcome)];
+    }
     [[nodiscard]] std::uint64_t faults() const;
 };
 

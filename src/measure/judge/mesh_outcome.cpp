@@ -8,7 +8,7 @@ namespace lostbits::measure::judge {
 
 using crossing::MeshCrossing, crossing::MeshCrossings;
 using scene::ray_file::AnswerKind;
-using scene::rays::MeshColumns;
+using scene::rays::StoredMesh;
 using Surface = SurfaceCrossings::Surface;
 
 bool can_have_outcome(MeshOutcome outcome, AnswerKind kind) {
@@ -53,7 +53,7 @@ std::size_t SurfaceCrossings::certain_count() const {
 namespace {
 
 /// True if the ray passes one of the owners of a crossing at a border of the mesh.
-bool is_at_border(const Ray<double>& ray, const Surface& surface, const MeshColumns& mesh) {
+bool is_at_border(const Ray<double>& ray, const Surface& surface, const StoredMesh& mesh) {
     return std::ranges::any_of(surface.owners, [&](const MeshCrossing* owner) {
         return crossing::is_beside_border(ray, mesh[owner->triangle], mesh.mesh(), owner->triangle);
     });
@@ -63,7 +63,7 @@ bool is_at_border(const Ray<double>& ray, const Surface& surface, const MeshColu
 class ListedHits {
 public:
     ListedHits(const Ray<double>& ray, std::span<const ListedHit> hits, const MeshCrossings& crossings,
-               const MeshColumns& mesh, const MeshContract& contract)
+               const StoredMesh& mesh, const MeshContract& contract)
         : ray_(ray),
           hits_(hits),
           mesh_(mesh),
@@ -176,7 +176,7 @@ private:
 
     const Ray<double>& ray_;
     std::span<const ListedHit> hits_;
-    const MeshColumns& mesh_;
+    const StoredMesh& mesh_;
     const MeshContract& contract_;
     SurfaceCrossings surfaces_;
     std::vector<std::size_t> hit_counts_;      ///< number of hits of each crossing in the list
@@ -188,14 +188,14 @@ private:
 }  // namespace
 
 ListJudgement judge_list(const Ray<double>& ray, std::span<const ListedHit> hits, const MeshCrossings& crossings,
-                         const MeshColumns& mesh, const MeshContract& contract) {
+                         const StoredMesh& mesh, const MeshContract& contract) {
     if (!crossings.is_resolved)
         return {.outcome = MeshOutcome::unresolved, .crossings_of_hits = {hits.size(), nullptr}};
     return ListedHits(ray, hits, crossings, mesh, contract).judgement();
 }
 
 MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity, const MeshCrossings& crossings,
-                        const MeshColumns& mesh, const MeshContract& contract) {
+                        const StoredMesh& mesh, const MeshContract& contract) {
     if (!crossings.is_resolved) return MeshOutcome::unresolved;
     const SurfaceCrossings surfaces(crossings, contract.facing);
     const auto answer = static_cast<std::size_t>(count), total = surfaces.all().size(),

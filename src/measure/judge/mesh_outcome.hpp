@@ -122,14 +122,14 @@ struct ListJudgement {
 /// hit as a crossing. The ray is a `crack` if this count differs from the true number of crossings by an odd number,
 /// and if some missing crossing does not lie at a border of the mesh.
 ListJudgement judge_list(const Ray<double>& ray, std::span<const ListedHit> hits,
-                         const crossing::MeshCrossings& crossings, const scene::rays::MeshColumns& mesh,
+                         const crossing::MeshCrossings& crossings, const scene::rays::StoredMesh& mesh,
                          const MeshContract& contract);
 
 /// Compares a number of crossings, or its parity, with all crossings of a ray. If the ray only touches the surface, the
 /// two crossings may be counted or not. The outcome is `crack` if the ray crosses the surface and the number differs
 /// from the true one by an odd number, unless the ray passes all its crossings at borders of the mesh.
 MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity,
-                        const crossing::MeshCrossings& crossings, const scene::rays::MeshColumns& mesh,
+                        const crossing::MeshCrossings& crossings, const scene::rays::StoredMesh& mesh,
                         const MeshContract& contract);
 
 }  // namespace lostbits::measure::judge

@@ -397,7 +397,7 @@ private:
 };
 
 bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sides,
-                        std::span<StrategyAtPoint> by_strategy, bool finds_quiet_offset) const {
+                        std::span<StrategyAtPoint> by_strategy, bool search_quiet_offset) const {
     return with_number(tested_form_.format, [&]<class T>() {
         const TypedPoint<T> point(*this, form_hit);
         if (!point.has_point()) return false;
@@ -405,7 +405,7 @@ bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sid
             const auto s = static_cast<std::size_t>(side);
             sides[s].rays = static_cast<std::uint8_t>(point.ray_count(side));
             sides[s].safe_offset = point.safe_offset(side);
-            if (finds_quiet_offset) sides[s].quiet_offset = point.quiet_offset(side);
+            if (search_quiet_offset) sides[s].quiet_offset = point.quiet_offset(side);
             for (std::size_t k = 0; k < strategies_.size(); ++k) {
                 StrategyAtPoint& strategy_result = by_strategy[index_at_point(side, k, strategies_.size())];
                 for (const NewRay& r : point.rays(*strategies_[k], side)) add_new_ray(r, point.p(), strategy_result);

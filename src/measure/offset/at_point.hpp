@@ -115,9 +115,9 @@ public:
 
     /// Measures both sides. `index_at_point` says where in `by_strategy` each result goes. Returns false and fills in
     /// nothing if the computed point or its normal is not finite. Searches for the quiet offset
-    /// (`SideOfPoint::quiet_offset`) only if `finds_quiet_offset` is true; otherwise it stays missing.
+    /// (`SideOfPoint::quiet_offset`) only if `search_quiet_offset` is true; otherwise it stays missing.
     bool measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sides, std::span<StrategyAtPoint> by_strategy,
-                 bool finds_quiet_offset = true) const;
+                 bool search_quiet_offset = true) const;
 
     /// Returns the rays of one strategy to one side, with their faults.
     [[nodiscard]] std::vector<NewRay> rays(const FormHit& form_hit, const Strategy& strategy, Side side) const;

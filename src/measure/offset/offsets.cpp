@@ -52,7 +52,7 @@ public:
                 if (!hits_true_primitive(i)) continue;
                 const auto by_strategy =
                     std::span(result_.by_strategy).subspan(2 * i * strategy_count, 2 * strategy_count);
-                if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.finds_quiet_offset)) continue;
+                if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.search_quiet_offset)) continue;
                 result_.is_point[i] = 1;
                 result_.primitive[i] = answers_.object[i];
                 result_.ulp[i] = ulp_of(work_.hit_point(form_hit(i))->p);
@@ -127,7 +127,7 @@ private:
         for (std::size_t f = 0; f < fault_names.size(); ++f) {
             s.fault_counts[f] += strategy_result.fault_counts[f];
             has_fault = has_fault || strategy_result.fault_counts[f] > 0;
-            has_new_fault = has_new_fault || (strategy_result.fault_counts[f] > 0 && !s.first_bad_rays[f]);
+            has_new_fault = has_new_fault || (strategy_result.fault_counts[f] > 0 && !s.first_faulty_rays[f]);
         }
         if (has_fault) s.bad_rays += strategy_result.bad_rays;
         if (has_new_fault) keep_first_bad_rays(i, side, k, s);
@@ -138,8 +138,8 @@ private:
         const auto pixel = static_cast<int>(i);
         for (const NewRay& ray : work_.rays(form_hit(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
-                if (s.first_bad_rays[f] || !ray.has(static_cast<Fault>(f))) continue;
-                s.first_bad_rays[f] =
+                if (s.first_faulty_rays[f] || !ray.has(static_cast<Fault>(f))) continue;
+                s.first_faulty_rays[f] =
                     FaultyRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
                               inputs_.primitives[static_cast<std::size_t>(answers_.object[i])]};
             }

@@ -17,8 +17,8 @@
 
 namespace lostbits::measure::offset {
 
-inline constexpr std::array<std::string_view, 2> point_names{"computed", "projected"};
-inline constexpr std::string_view name_of(HitPointKind p) { return point_names[static_cast<std::size_t>(p)]; }
+inline constexpr std::array<std::string_view, 2> point_kind_names{"computed", "projected"};
+inline constexpr std::string_view name_of(HitPointKind p) { return point_kind_names[static_cast<std::size_t>(p)]; }
 
 /// New ray with a fault, and everything needed to reproduce it.
 struct FaultyRay {
@@ -33,9 +33,9 @@ LOSTBITS_FIELDS(FaultyRay, x, y, primitive_index, ray, primitive)
 /// Results of one strategy to one side, over all points.
 struct StrategySummary {
     std::array<std::uint64_t, fault_names.size()> fault_counts{};  ///< rays with each fault
-    std::array<std::optional<FaultyRay>, fault_names.size()> first_bad_rays =
+    std::array<std::optional<FaultyRay>, fault_names.size()> first_faulty_rays =
         {};                            ///< first ray with each fault, by pixel
-    std::uint64_t bad_rays = 0;        ///< rays with a fault other than `wrong_side`, which alone harms nothing
+    std::uint64_t bad_rays = 0;        ///< rays with a fault besides `wrong_side` (`wrong_side` by itself is harmless)
     metric::Distribution offset_size;  ///< largest |new origin − p| of each point
     metric::Distribution size_ratio;   ///< `offset_size` over the smallest safe offset, where this is finite and not 0
     /// Points of `size_ratio` whose `offset_size` is less than the smallest safe offset.
@@ -43,13 +43,14 @@ struct StrategySummary {
 
     [[nodiscard]] std::uint64_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
     [[nodiscard]] const std::optional<FaultyRay>& first_with(Fault f) const {
-        return first_bad_rays[static_cast<std::size_t>(f)];
+        return first_faulty_rays[static_cast<std::size_t>(f)];
     }
 };
 
-LOSTBITS_FIELDS(StrategySummary, fault_counts, first_bad_rays, bad_rays, offset_size, size_ratio, too_small_points)
+LOSTBITS_FIELDS(StrategySummary, fault_counts, first_faulty_rays, bad_rays, offset_size, size_ratio, too_small_points)
 
-/// Results on one side of all points of a row. A quiet offset is safe and has no fault by the form's own arithmetic.
+/// Results on one side of all points of a tested form. A quiet offset is safe and has no fault by the form's own
+/// arithmetic.
 struct SideSummary {
     std::uint64_t rays = 0;
     std::uint64_t already_safe_points = 0;  ///< points that need no offset
@@ -84,8 +85,8 @@ struct OffsetSummary {
 
 LOSTBITS_FIELDS(OffsetSummary, pixels, points, unresolved, sides)
 
-/// Results of a row over some scanlines, pixel by pixel. A pixel with `is_point` set has results for both sides, and
-/// for each strategy to the outside and then to the inside.
+/// Results of a tested form over some scanlines, pixel by pixel. A pixel with `is_point` set has results for both
+/// sides, and for each strategy to the outside and then to the inside.
 struct OffsetBand {
     int y0 = 0, scanlines = 0, width = 0;
     std::vector<std::uint8_t> is_point;
@@ -111,7 +112,7 @@ struct OffsetStudy {
     std::vector<const Strategy*> strategies;
     truth::ProofLimit limit{};
     /// True to search for the smallest quiet offset as well, which takes as long as all the rest.
-    bool finds_quiet_offset = true;
+    bool search_quiet_offset = true;
     shard::Share share = {};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 
@@ -143,9 +144,9 @@ struct SafeStrategy {
                         ///< ratio
 };
 
-/// Returns the strategies of a measured row that are safe to all of these sides, the cheapest first, and equally cheap
+/// Returns the strategies of a measured form that are safe to all of these sides, the cheapest first, and equally cheap
 /// ones in the order of the table. Safe means `StrategySummary::bad_rays` = 0: no self-hit by truth or by the form, no
-/// lost occluder and no lost exit. The result is empty if no strategy is safe, or if the row has no points.
+/// lost occluder and no lost exit. The result is empty if no strategy is safe, or if the form has no points.
 std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
                                           Shape shape, std::span<const Side> sides = both_sides);
 

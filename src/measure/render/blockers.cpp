@@ -53,7 +53,8 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
         inputs.stop.check();
         const std::size_t begin = c * chunk_size, count = std::min(chunk_size, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {
-            test_chunk<S>(kernel, shadow, inputs.primitives.listed(), {begin, count, tests_departed_sphere}, blocked);
+            test_chunk<S>(kernel, shadow, inputs.primitives.listed_primitives(), {begin, count, tests_departed_sphere},
+                          blocked);
         });
     });
     return blocked;

@@ -99,7 +99,7 @@ struct RenderSummary {
     /// Returns the number of shadow decisions that differ from the truth, without shadows by the point's own sphere.
     [[nodiscard]] std::uint64_t flipped_shadows() const;
     /// Returns the number of pixels whose content, shadow or colour is not proved.
-    [[nodiscard]] std::uint64_t unresolved() const;
+    [[nodiscard]] std::uint64_t unresolved_count() const;
 };
 
 /// Lists the fields for shards. The stage and its rule are those of the study, and are left out.

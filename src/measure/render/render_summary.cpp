@@ -72,7 +72,7 @@ std::uint64_t RenderSummary::flipped_shadows() const {
     return sum;
 }
 
-std::uint64_t RenderSummary::unresolved() const {
+std::uint64_t RenderSummary::unresolved_count() const {
     // If a shadow is not proved, the colour is not proved either. So each pixel without a proved shadow is already
     // counted without a proved colour, and the larger count is the whole.
     return count(SeenContent::unresolved) +

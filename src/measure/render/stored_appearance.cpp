@@ -26,7 +26,7 @@ StoredAppearance<double> shared_appearance(const scene::file::Appearance& appear
 }
 
 StoredAppearance<double> input_appearance(const Scene& scene, const FloatFormat& format) {
-    if (scene.inputs == scene::file::Inputs::own)
+    if (scene.inputs == scene::file::InputRounding::own)
         return lifted(own_appearance(scene.appearance),
                       [&format](const Real& x) { return scene::toml::round_to_format(x, format); });
     return lifted(shared_appearance(scene.appearance),
@@ -53,7 +53,7 @@ template std::vector<Vec<Real>> pixel_points<Real>(const Scene&, int, int);
 
 std::vector<Vec<double>> input_pixel_points(const Scene& scene, int y0, int y1, const FloatFormat& format) {
     std::vector<Vec<double>> points;
-    if (scene.inputs == scene::file::Inputs::own) {
+    if (scene.inputs == scene::file::InputRounding::own) {
         for (const auto& p : pixel_points<Real>(scene, y0, y1))
             points.push_back(lifted(p, [&format](const Real& x) { return scene::toml::round_to_format(x, format); }));
     } else {

@@ -251,7 +251,7 @@ std::vector<TruePixel> find_all_pixels(const TruePixelFinder<S>& finder, std::si
 
 std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const Band& band,
                                          std::span<const Stage> stages, PictureLimit limit) {
-    if (scene.inputs == scene::file::Inputs::own)
+    if (scene.inputs == scene::file::InputRounding::own)
         return find_all_pixels(TruePixelFinder<Real>(scene, band, stages, limit), band.pixels(), limit.stop);
     return find_all_pixels(TruePixelFinder<double>(scene, band, stages, limit), band.pixels(), limit.stop);
 }

@@ -34,7 +34,7 @@ FormQuality RaySample::measure_exact_quality(const Tape& tape, const std::vector
     FormQuality quality;
     metric::Distribution lost;
     std::uint64_t false_hits = 0;
-    const FloatFormat& format = row_.format.parameters;
+    const FloatFormat& format = tested_form_.format.parameters;
 
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         const auto& [decision, correct_t, range] = correct_answers_[i];
@@ -68,7 +68,7 @@ FormQuality RaySample::measure_exact_quality(const Tape& tape, const std::vector
 
 Obstruction RaySample::compare_without_rounding(const Tape& tape) const {
     Obstruction obstruction{.exact = measure_exact_quality(tape, inputs_)};
-    if (row_.form->info->direction != intersect::Direction::unit) return obstruction;
+    if (tested_form_.form->info->direction != intersect::Direction::unit) return obstruction;
     for (const auto& inputs : inputs_)
         obstruction.largest_length_error =
             std::max(obstruction.largest_length_error, std::fabs(direction_length(inputs) - 1));

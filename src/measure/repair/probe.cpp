@@ -20,7 +20,7 @@ Vec<Real> map_vector(const Vec<Real>& v, const Isometry& isometry) {
     return {row(0), row(1), row(2)};
 }
 
-/// MatrixPair the matrix M of a primitive: Q M leads to the world, and M Qᵀ leads from it.
+/// Maps the matrix M of a primitive: Q M leads to the world, and M Qᵀ leads from it.
 Transform<Real> mirror_transform(Transform<Real> transform, const Isometry& isometry) {
     if (isometry.mirrors()) transform.orientation = -transform.orientation;
     auto& m = transform.matrix;
@@ -103,7 +103,7 @@ std::optional<RequestRays> take_request_rays(const RepairRequest& request, int r
     }
     if (request.scene->flake) return std::nullopt;
     const scene::file::Scene smaller_scene = choose::with_smaller_picture(*request.scene, static_cast<int>(max_rays));
-    if (smaller_scene.inputs == scene::file::Inputs::own)
+    if (smaller_scene.inputs == scene::file::InputRounding::own)
         return RequestRays{choose::exact_rays(smaller_scene), std::nullopt};
     scene::rays::RayGroup stored_rays{.rays = scene::rays::make_shared_rays(smaller_scene, 0, smaller_scene.height),
                                       .primitives = scene::rays::shared_primitives(smaller_scene)};

@@ -45,7 +45,7 @@ inline constexpr std::array isometries{
     Isometry{"rotated", "rotated by 147 degrees about (1, 2, 3)", {13, -26, 26,  34, 19, 2,  -14, 22, 29}, 39}};
 // clang-format on
 
-/// MatrixPair a primitive by an isometry about the origin. Empty if the result is not a primitive of the same shape: a
+/// Maps a primitive by an isometry about the origin. Empty if the result is not a primitive of the same shape: a
 /// box or an ellipsoid without a matrix stays along the axes, so it cannot be rotated.
 std::optional<Primitive<Real>> map_primitive(const Primitive<Real>& primitive, const Isometry& isometry);
 

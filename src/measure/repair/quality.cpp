@@ -194,7 +194,7 @@ std::vector<FormQuality> QualityMeasurer::measure_quality(const std::vector<Tape
 
         const auto quality = measure_quality(tested_forms, {}, forms);
         qualities.insert(qualities.end(), quality.begin(), quality.end());
-        tried_ += end - begin;
+        tried_count_ += end - begin;
         request_.progress(end - begin);
     }
     return qualities;

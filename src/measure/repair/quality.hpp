@@ -58,7 +58,7 @@ public:
     std::vector<FormQuality> measure_quality(const std::vector<evaluate::TestedForm>& tested_forms,
                                              const evaluate::ShowForms& show = {});
     [[nodiscard]] std::uint64_t rays() const;
-    [[nodiscard]] std::uint64_t tried() const { return tried_; }
+    [[nodiscard]] std::uint64_t tried_count() const { return tried_count_; }
 
     static constexpr std::uint64_t max_kept_rays = 1U << 19;
 
@@ -74,7 +74,7 @@ private:
     const scene::file::Scene* scene_;
     std::unique_ptr<culling::Culler> culler_;
     std::vector<std::unique_ptr<Part>> parts_;
-    std::uint64_t tried_ = 0;
+    std::uint64_t tried_count_ = 0;
 };
 
 /// True if `a` has fewer wrong decisions than `b`, or as many and more bits.

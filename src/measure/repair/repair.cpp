@@ -49,11 +49,11 @@ public:
           operations_(tape::rounded_operations(tape)) {}
 
     /// `all_wider_quality` is the quality with all operations wider, which meets the requirement.
-    WiderSet smallest(const FormQuality& all_wider_quality, std::uint64_t affordable) {
+    WiderSet smallest(const FormQuality& all_wider_quality, std::uint64_t max_sets_per_size) {
         WiderSet result{.operations = operations_, .quality = all_wider_quality};
         while (remove_operations(result)) {}
         for (std::size_t size = 1; size < result.operations.size(); ++size) {
-            if (binomial(operations_.size(), size) > affordable) break;
+            if (binomial(operations_.size(), size) > max_sets_per_size) break;
             if (auto smaller = find_best_of_size(size)) {
                 result = std::move(*smaller);
                 result.quality_without = measure_without_each(result.operations);
@@ -167,14 +167,14 @@ Scene change_pixels(Scene scene) {
 /// Widens the fewest operations of a rewritten form that does not meet the requirement by itself. Keeps the result only
 /// if it widens fewer operations than the set that was found for the original form, if there is one.
 void widen_where_needed(RewrittenForm& rewritten, const RepairResult& result, const RepairRequest& request,
-                        QualityMeasurer& measurer, std::uint64_t affordable) {
+                        QualityMeasurer& measurer, std::uint64_t max_sets_per_size) {
     if (rewritten.quality.meets(request.requirement)) return;
     const Tape unwidened = rewritten.tape;
     const FormQuality all_wider_quality =
         measurer.measure_quality({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
             .front();
     if (!all_wider_quality.meets(request.requirement)) return;
-    auto set = find_smallest_set(unwidened, result.wider, all_wider_quality, request, measurer, affordable);
+    auto set = find_smallest_set(unwidened, result.wider, all_wider_quality, request, measurer, max_sets_per_size);
     if (result.wider_set && set.operations.size() >= result.wider_set->operations.size()) return;
     rewritten.tape = tape::widen_operations(unwidened, set.operations, result.wider);
     rewritten.quality = set.quality;
@@ -205,10 +205,10 @@ public:
         groups_ = find_exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
     }
 
-    /// Tries all sets if there are at most `affordable`. Otherwise starts from all groups and removes one after the
-    /// other, as long as the rest passes. Returns nothing if no set passes.
-    std::optional<SymmetricSet> search(std::uint64_t affordable) {
-        const bool tries_all = groups_.size() < 20 && (std::uint64_t{1} << groups_.size()) <= affordable;
+    /// Tries all sets if there are at most `max_sets_per_size`. Otherwise starts from all groups and removes one after
+    /// the other, as long as the rest passes. Returns nothing if no set passes.
+    std::optional<SymmetricSet> search(std::uint64_t max_sets_per_size) {
+        const bool tries_all = groups_.size() < 20 && (std::uint64_t{1} << groups_.size()) <= max_sets_per_size;
         auto set = tries_all ? find_best_of_all() : reduce_groups();
         if (set) set->is_smallest = tries_all;
         return set;
@@ -285,10 +285,10 @@ std::vector<NodeId> operations_to_widen(const RepairResult& result) {
 
 /// Searches for a symmetric set if the set fails on an exact probe on which the form passes with every operation wider.
 void find_symmetric_set(RepairResult& result, const RepairRequest& request, QualityMeasurer& measurer,
-                        const Probes& probes, std::uint64_t affordable) {
+                        const Probes& probes, std::uint64_t max_sets_per_size) {
     const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
     const auto set_fails_exact_probe = [&](std::size_t k) {
-        return probes[k]->isometry().is_exact() && !meets(result.set_probed[k]);
+        return probes[k]->isometry().is_exact() && !meets(result.set_probe_qualities[k]);
     };
 
     // Avoids the probes with every operation wider if the set fails nowhere.
@@ -308,14 +308,14 @@ void find_symmetric_set(RepairResult& result, const RepairRequest& request, Qual
     }
     if (!fails_exact_probe) return;
 
-    result.symmetric = SymmetricSearch(result, request, measurer, passable).search(affordable);
+    result.symmetric = SymmetricSearch(result, request, measurer, passable).search(max_sets_per_size);
     if (result.symmetric)
         result.symmetric->probed = measure_on_probes(widen_operations(result, result.symmetric->operations), probes);
 }
 
 /// Measures on the probes the repairs that were found, and finds a symmetric set if the probes call for one.
 void measure_probes(RepairResult& result, const RepairRequest& request, QualityMeasurer& measurer,
-                    std::uint64_t affordable) {
+                    std::uint64_t max_sets_per_size) {
     const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
     const auto& rewritten_forms = result.rewriting.forms;
     if (!result.wider_set && std::ranges::none_of(rewritten_forms, meets, &RewrittenForm::quality)) return;
@@ -324,13 +324,13 @@ void measure_probes(RepairResult& result, const RepairRequest& request, QualityM
     for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
     if (!probes.empty()) result.probed_rays = probes.front()->measurer().rays();
 
-    result.own_probed = measure_on_probes(result.tape, probes);
-    result.set_probed = measure_on_probes(widen_operations(result, operations_to_widen(result)), probes);
+    result.own_probe_qualities = measure_on_probes(result.tape, probes);
+    result.set_probe_qualities = measure_on_probes(widen_operations(result, operations_to_widen(result)), probes);
     for (RewrittenForm& rewritten : result.rewriting.forms)
         rewritten.probed = measure_on_probes(rewritten.tape, probes);
 
     if (!result.wider_set || result.wider_set->operations.empty()) return;
-    find_symmetric_set(result, request, measurer, probes, affordable);
+    find_symmetric_set(result, request, measurer, probes, max_sets_per_size);
 }
 
 /// Measures the form and its repairs on rays that were not searched on: the scene in other pixels, or all rays of the
@@ -344,8 +344,8 @@ void measure_held_out(RepairResult& result, const RepairRequest& request) {
     const auto held_out_quality = request.scene ? QualityMeasurer(request, result.held_out_scene).measure_quality(tapes)
                                                 : request.quality_on_all_rays(tapes);
 
-    result.own_held_out = held_out_quality[0];
-    result.set_held_out = held_out_quality[1];
+    result.own_held_out_quality = held_out_quality[0];
+    result.set_held_out_quality = held_out_quality[1];
     for (std::size_t k = 0; k < result.rewriting.forms.size(); ++k)
         result.rewriting.forms[k].held_out = held_out_quality[k + 2];
     if (result.symmetric) result.symmetric->held_out = held_out_quality.back();
@@ -354,8 +354,8 @@ void measure_held_out(RepairResult& result, const RepairRequest& request) {
 }  // namespace
 
 WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
-                           const RepairRequest& request, QualityMeasurer& measurer, std::uint64_t affordable) {
-    return WiderSearch(tape, wider, request, measurer).smallest(all_wider_quality, affordable);
+                           const RepairRequest& request, QualityMeasurer& measurer, std::uint64_t max_sets_per_size) {
+    return WiderSearch(tape, wider, request, measurer).smallest(all_wider_quality, max_sets_per_size);
 }
 
 bool are_matrices_inverse(const RepairRequest& request) {
@@ -381,11 +381,11 @@ Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& ope
     return tape::widen_operations(repair.tape, operations, repair.wider);
 }
 
-RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable) {
+RepairResult repair_form(const RepairRequest& request, std::uint64_t max_sets_per_size) {
     RepairResult result{.tape = record_tape(request),
                         .wider = tape::wider_format(request.tested_form.format.parameters, request.two_words)};
     const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
-    result.operations = all_operations.size();
+    result.rounding_operation_count = all_operations.size();
 
     QualityMeasurer measurer(request);
     result.own_quality = measure_own_quality(request, result.tape, measurer);
@@ -395,19 +395,19 @@ RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable)
     if (result.own_quality.meets(request.requirement))
         result.wider_set = WiderSet{.operations = {}, .quality = result.own_quality};
     else if (result.all_wider_quality.meets(request.requirement))
-        result.wider_set =
-            find_smallest_set(result.tape, result.wider, result.all_wider_quality, request, measurer, affordable);
+        result.wider_set = find_smallest_set(result.tape, result.wider, result.all_wider_quality, request, measurer,
+                                             max_sets_per_size);
 
     // Other ways of writing the form, wider where they still need it.
     if (!result.own_quality.meets(request.requirement))
         result.rewriting = rewrite(request, result.tape, result.own_quality, measurer);
     for (RewrittenForm& rewritten : result.rewriting.forms)
-        widen_where_needed(rewritten, result, request, measurer, affordable);
+        widen_where_needed(rewritten, result, request, measurer, max_sets_per_size);
 
-    measure_probes(result, request, measurer, affordable);
+    measure_probes(result, request, measurer, max_sets_per_size);
     if (!result.wider_set)
         result.obstruction = RaySample(request, few_rays_count).compare_without_rounding(result.tape);
-    result.tried = measurer.tried();
+    result.tried_count = measurer.tried_count();
     measure_held_out(result, request);
     return result;
 }

@@ -11,11 +11,12 @@
 
 namespace lostbits::measure::repair {
 
-/// Set of operations done in wider arithmetic, from which none can be removed.
+/// A set of operations to do in wider arithmetic. Without any one of them, the form fails the requirement.
 struct WiderSet {
     std::vector<NodeId> operations;  ///< of the form's tape
     FormQuality quality{};
-    /// Quality with one operation left as it was and the others wider; none meets the requirement.
+    /// For each operation of the set: the quality if only that operation is not widened. None of these qualities meets
+    /// the requirement.
     std::vector<FormQuality> quality_without = {};
     /// No set of this many operations or fewer meets the requirement: all such sets were tried. If
     /// `largest_failing_size` is one less than the size of this set, the set is one of the smallest.
@@ -24,9 +25,9 @@ struct WiderSet {
 
 /// Starts from all operations done wider, which meets the requirement. Removes one operation after the other, each time
 /// the one whose loss costs least, as long as the requirement is met. Then tries all smaller sets, size by size, as
-/// long as there are at most `affordable` sets of one size.
+/// long as there are at most `max_sets_per_size` sets of one size.
 WiderSet find_smallest_set(const Tape& tape, const FloatFormat& wider, const FormQuality& all_wider_quality,
-                           const RepairRequest& request, QualityMeasurer& measurer, std::uint64_t affordable);
+                           const RepairRequest& request, QualityMeasurer& measurer, std::uint64_t max_sets_per_size);
 
 using identity::Rule;
 
@@ -39,25 +40,25 @@ struct SymmetricSet {
     bool is_smallest = false;  ///< no set of groups with fewer operations passes: all were tried
 };
 
-/// RewrittenForm form, equal to the original in real arithmetic.
+/// A rewritten form, equal to the original in real arithmetic.
 struct RewrittenForm {
     Tape tape;
     std::vector<const Rule*> rules;     ///< the rules that were applied, in order
     FormQuality quality{}, held_out{};  ///< quality on the scene, and on rays that were not searched on
-    std::size_t operations = 0;         ///< number of operations that round
+    std::size_t rounding_operation_count = 0;  ///< number of operations that round
     /// The fewest operations to do wider, if the form meets the requirement only with them; they are wider in `tape`.
     std::optional<WiderSet> wider_set = {};
     std::vector<FormQuality> probed = {};  ///< quality on each probe
 };
 
 /// Results of the search for rewritten forms.
-struct Rewriting {
-    /// Forms that meet the requirement and that no other candidate beats in both accuracy and work (`estimated_work`),
+struct RewritingResult {
+    /// Forms that meet the requirement and that no other candidate beats in both accuracy and work (`estimate_work`),
     /// the most accurate first. If no form meets the requirement, the list holds only the most accurate form, and only
     /// if that is more accurate than the original form, or as accurate with less work.
     std::vector<RewrittenForm> forms;
-    std::uint64_t tried = 0;    ///< candidates tried, each on all rays
-    std::uint64_t refused = 0;  ///< candidates not tried, because they differ in real arithmetic on some ray
+    std::uint64_t tried_count = 0;    ///< candidates tried, each on all rays
+    std::uint64_t untried_count = 0;  ///< candidates not tried, because they differ in real arithmetic on some ray
 };
 
 /// Limits of the search for rewritten forms.
@@ -76,12 +77,12 @@ struct SearchLimit {
 /// the requirement with least work, and compares the results with the truth on all rays. The search ends when a round
 /// finds no new form, or after the last round. A candidate that is not the form in real arithmetic (on a sample of the
 /// rays, see `RaySample::have_same_answers`) is dropped.
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality,
-                  QualityMeasurer& measurer, const SearchLimit& limit = {});
+RewritingResult rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality,
+                        QualityMeasurer& measurer, const SearchLimit& limit = {});
 
 /// Estimate of the time of a tape before it is measured: the number of operations that round, with each division and
 /// root counted eight times. The estimate orders the search and is not printed.
-std::size_t estimated_work(const Tape& tape);
+std::size_t estimate_work(const Tape& tape);
 
 /// Reason why the form does not meet the requirement even with every operation wider: its quality without any rounding.
 struct Obstruction {
@@ -96,29 +97,30 @@ struct Obstruction {
 struct RepairResult {
     Tape tape;                                       ///< the tape of the form
     FloatFormat wider;                               ///< the arithmetic of the wider operations
-    std::size_t operations = 0;                      ///< number of operations that round, and so could be done wider
+    std::size_t rounding_operation_count = 0;        ///< number of operations that round, and so could be done wider
     FormQuality own_quality{}, all_wider_quality{};  ///< quality of the form as it is, and with every operation wider
-    /// Null if the form does not meet the requirement even with every operation wider; an empty set if the form meets
-    /// it as it is.
+    /// The operations to widen. Empty if the form already meets the requirement; absent if it fails even with every
+    /// operation wider.
     std::optional<WiderSet> wider_set = {};
-    Rewriting rewriting = {};  ///< other ways of writing the form; none if the form meets the requirement as it is
-    std::uint64_t tried = 0;   ///< candidates tried, each on all rays
+    RewritingResult rewriting =
+        {};                         ///< other ways of writing the form; none if the form meets the requirement as it is
+    std::uint64_t tried_count = 0;  ///< candidates tried, each on all rays
     scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
     /// Quality of the form and of the set on `held_out_scene`; with files, on all their rays.
-    FormQuality own_held_out{}, set_held_out{};
+    FormQuality own_held_out_quality{}, set_held_out_quality{};
     /// Probes that apply, and the quality there of the form and of the set (without a set, of the form with all
     /// operations wider). Empty if no set and no rewritten form meets the requirement.
     std::vector<const Isometry*> probes = {};
-    std::vector<FormQuality> own_probed = {}, set_probed = {};
+    std::vector<FormQuality> own_probe_qualities = {}, set_probe_qualities = {};
     std::uint64_t probed_rays = 0;               ///< number of rays of each probe
     std::optional<SymmetricSet> symmetric = {};  ///< found if the set fails exact probes
     /// Found if the form does not meet the requirement even with all operations wider.
     std::optional<Obstruction> obstruction = {};
 };
 
-/// Repairs the form of a request. `affordable` is that of `find_smallest_set`. Throws InputError for a form whose
-/// operations are not the same for every ray of the scene: its tape then has other answers than the form.
-RepairResult repair_form(const RepairRequest& request, std::uint64_t affordable = 600);
+/// Repairs the form of a request. `max_sets_per_size` limits the search as in `find_smallest_set`. Throws InputError if
+/// the operations of the form differ from ray to ray, because one tape cannot then stand for the form.
+RepairResult repair_form(const RepairRequest& request, std::uint64_t max_sets_per_size = 600);
 
 /// True if the primitives' matrices are stored as inverses (world to object); false without matrices. Throws InputError
 /// as `record_tape` does.
@@ -160,7 +162,7 @@ private:
     [[nodiscard]] FormQuality measure_exact_quality(const Tape& tape,
                                                     const std::vector<std::vector<double>>& inputs) const;
 
-    evaluate::TestedForm row_;
+    evaluate::TestedForm tested_form_;
     Requirement requirement_;
     truth::ProofLimit limit_;
     std::vector<std::vector<double>> inputs_, exact_inputs_;  ///< inputs of each ray, in the order of the tape's inputs

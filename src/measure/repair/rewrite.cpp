@@ -46,14 +46,16 @@ public:
                   QualityMeasurer& measurer, const SearchLimit& limit)
         : request_(request), limit_(limit), form_(form), terms_(form), measurer_(measurer), sample_(request) {
         if (request.tested_form.form->info->direction == intersect::Direction::unit) unit_ = direction_of(terms_);
-        candidates_.push_back({.outputs = terms_.outputs(), .quality = own_quality, .work = estimated_work(form)});
+        candidates_.push_back({.outputs = terms_.outputs(), .quality = own_quality, .work = estimate_work(form)});
         seen_.insert(identity::output_nodes(terms_.outputs()));
     }
 
-    Rewriting run() {
+    RewritingResult run() {
         for (std::size_t round = 0; round < limit_.rounds; ++round)
             if (!run_round()) break;
-        return {.forms = best_candidates(), .tried = measurer_.tried() - tried_before_, .refused = refused_};
+        return {.forms = best_candidates(),
+                .tried_count = measurer_.tried_count() - tried_count_before_,
+                .untried_count = untried_count_};
     }
 
 private:
@@ -70,9 +72,9 @@ private:
         std::vector<Tape> tapes;
         std::erase_if(new_candidates, [&](CandidateForm& candidate) {
             const Tape tape = terms_.tape(candidate.outputs);
-            candidate.work = estimated_work(tape);
+            candidate.work = estimate_work(tape);
             const bool is_refused = !sample_.have_same_answers(form_, tape);
-            if (is_refused) ++refused_;
+            if (is_refused) ++untried_count_;
             else tapes.push_back(tape);
             return is_refused;
         });
@@ -166,7 +168,7 @@ private:
             best.push_back({.tape = tape,
                             .rules = candidate->rules,
                             .quality = candidate->quality,
-                            .operations = tape::rounded_operations(tape).size()});
+                            .rounding_operation_count = tape::rounded_operations(tape).size()});
         }
         return best;
     }
@@ -176,12 +178,12 @@ private:
     const Tape& form_;
     Terms terms_;
     QualityMeasurer& measurer_;
-    const std::uint64_t tried_before_ = measurer_.tried();
+    const std::uint64_t tried_count_before_ = measurer_.tried_count();
     RaySample sample_;
     std::optional<Triple> unit_;
     std::vector<CandidateForm> candidates_;
     std::set<std::array<NodeId, 4>> seen_;
-    std::uint64_t refused_ = 0;
+    std::uint64_t untried_count_ = 0;
 };
 
 }  // namespace
@@ -200,7 +202,7 @@ Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) 
 }
 
 RaySample::RaySample(const RepairRequest& request, int rays)
-    : row_(request.tested_form), requirement_(request.requirement), limit_(request.limit) {
+    : tested_form_(request.tested_form), requirement_(request.requirement), limit_(request.limit) {
     const evaluate::TestedForm& tested_form = request.tested_form;
     std::optional<scene::file::Scene> smaller_scene;
     if (request.scene) smaller_scene = choose::with_smaller_picture(*request.scene, rays);
@@ -244,15 +246,15 @@ bool RaySample::have_same_answers(const Tape& a, const Tape& b) const {
     return true;
 }
 
-std::size_t estimated_work(const Tape& tape) {
+std::size_t estimate_work(const Tape& tape) {
     std::size_t work = 0;
     for (const NodeId i : tape::rounded_operations(tape))
         work += tape[i].op == TapeOp::div || tape[i].op == TapeOp::sqrt ? 8 : 1;
     return work;
 }
 
-Rewriting rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality,
-                  QualityMeasurer& measurer, const SearchLimit& limit) {
+RewritingResult rewrite(const RepairRequest& request, const Tape& form, const FormQuality& own_quality,
+                        QualityMeasurer& measurer, const SearchLimit& limit) {
     return RewriteSearch(request, form, own_quality, measurer, limit).run();
 }
 

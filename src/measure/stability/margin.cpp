@@ -114,7 +114,7 @@ bool stays_positive(const QuadraticAt<Near>& start, const Near& a, const Near& s
 /// True if no line of all problems meets the part of a quadric between the planes. If the line runs along the axis, or
 /// past a rim, the enclosures leave several signs open that no single problem has together.
 bool misses(const CappedSpan<Near>& s) {
-    if (!s.crossed.is_yes() || !(s.at_planes_entry.value.lowest() > 0 && s.at_planes_exit.value.lowest() > 0))
+    if (!s.crosses_planes.is_yes() || !(s.at_planes_entry.value.lowest() > 0 && s.at_planes_exit.value.lowest() > 0))
         return false;
     const Near step = s.planes_exit.n - s.planes_entry.n;
     const QuadraticAt<Near> back{s.at_planes_exit.value, -s.at_planes_exit.half_slope};
@@ -123,7 +123,7 @@ bool misses(const CappedSpan<Near>& s) {
 /// Lines that run inside a tube from plane to plane miss it, too.
 bool misses(const WallSpan<Near>& s) {
     const auto& [at_entry, at_exit] = std::pair(s.primitive.at_planes_entry.value, s.primitive.at_planes_exit.value);
-    return s.primitive.crossed.is_yes() && at_entry.highest() < 0 && at_exit.highest() < 0 ? true : misses(s.primitive);
+    return s.primitive.crosses_planes.is_yes() && at_entry.highest() < 0 && at_exit.highest() < 0 ? true : misses(s.primitive);
 }
 /// A line misses a ball if the discriminant is below zero.
 bool misses(const QuadraticSpan<Near>& s) { return s.q.highest() < 0; }

@@ -18,7 +18,7 @@ using namespace truth;
 constexpr std::size_t max_inputs = 6 + max_primitive_numbers;
 using Near = number::wide::AffineForm<max_inputs>;
 
-/// InputChange of the inputs: number i changes by `scale` times deviation i times its size (or the size of its vector).
+/// A change of the inputs: number i changes by `scale` times deviation i times its size (or the size of its vector).
 /// If vectors change, the deviations of each vector have at most length 1.
 struct InputChange {
     Near::Deviations deviations{};

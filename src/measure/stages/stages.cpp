@@ -24,7 +24,7 @@ constexpr auto fill_wide_stages = fill_stages_w256;
 constexpr void (*fill_wide_stages)(RawStages&) = nullptr;
 #endif
 
-/// Registers of 512 bits use the kernels of 256 bits. MatrixPair then take 3 to 4 % more processor time than with
+/// Registers of 512 bits use the kernels of 256 bits. Maps then take 3 to 4 % more processor time than with
 /// kernels for 512 bits, which were slow to compile and were removed.
 const RawStages& kernels_at(Isa isa) {
     static constexpr intersect::simd::FunctionOfWidth<void(RawStages&)> fill{LOSTBITS_W128(fill_stages),

@@ -16,7 +16,7 @@
 //
 // - `scenes()`: the scenes of its forms, if forms differ in the rays that a scene makes;
 // - `prepare(band, form_indices)`, in place of `prepare(band)`: the forms whose rays are in this band;
-// - `measure(shared, form_index, summary, show)`: calls `show` with the results to show, in memory that it reuses;
+// - `measure(shared, form_index, summary, show)`: calls `show` with the results, in memory that it reuses;
 // - `stages`: receives the number of truths that each stage settled; may be null.
 //
 // The driver owns the loop over bands and forms, their threads, the share of a shard, and how summaries add up.

@@ -115,7 +115,7 @@ void run_blocks(const ExhaustiveRequest& request, std::span<const Block> blocks,
 
 }  // namespace
 
-std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
+std::vector<BinadePart> split_into_binades(const scene::sweep::ExhaustiveFile& sweep) {
     std::vector<BinadePart> parts;
     for (std::size_t r = 0; r < sweep.ranges().size(); ++r) {
         const FloatRange& range = sweep.ranges()[r];
@@ -133,7 +133,7 @@ std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep) {
 
 std::uint64_t count_floats(const scene::sweep::ExhaustiveFile& sweep, shard::Share share) {
     std::uint64_t sum = 0;
-    for (const Block& block : cut_into_blocks(binades_of(sweep), share)) sum += block.floats.size();
+    for (const Block& block : cut_into_blocks(split_into_binades(sweep), share)) sum += block.floats.size();
     return sum;
 }
 
@@ -148,13 +148,13 @@ void ExhaustiveState::require_match(const ExhaustiveRequest& request) const {
     const std::size_t tallies_per_binade = request.sweep.rays.size() * request.tested_forms.size();
     std::uint64_t counted = 0;
     for (const FloatTally& tally : tallies) counted += tally.floats();
-    if (tallies.size() != binades_of(request.sweep).size() * tallies_per_binade ||
+    if (tallies.size() != split_into_binades(request.sweep).size() * tallies_per_binade ||
         counted != floats_tried * tallies_per_binade)
         throw std::out_of_range("the tallies belong to another sweep over every float");
 }
 
 void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
-    const auto binades = binades_of(request.sweep);
+    const auto binades = split_into_binades(request.sweep);
     const std::vector<Block> all_blocks = cut_into_blocks(binades, request.share);
     state.tallies.resize(binades.size() * request.sweep.rays.size() * request.tested_forms.size());
 
@@ -174,7 +174,7 @@ std::optional<std::uint32_t> RangeFinding::float_before(std::uint32_t float_inde
 }
 
 std::vector<RangeFinding> collect_findings(const ExhaustiveRequest& request, const ExhaustiveState& state) {
-    const auto binades = binades_of(request.sweep);
+    const auto binades = split_into_binades(request.sweep);
     std::vector<RangeFinding> findings;
     for (std::size_t form_index = 0; form_index < request.tested_forms.size(); ++form_index) {
         for (std::size_t ray = 0; ray < request.sweep.rays.size(); ++ray) {

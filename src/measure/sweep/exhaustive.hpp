@@ -92,7 +92,7 @@ struct BinadePart {
     scene::sweep::Binade binade;
     scene::sweep::FloatRange floats;
 };
-std::vector<BinadePart> binades_of(const scene::sweep::ExhaustiveFile& sweep);
+std::vector<BinadePart> split_into_binades(const scene::sweep::ExhaustiveFile& sweep);
 
 struct ExhaustiveRequest;
 

@@ -169,8 +169,8 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
 Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t form_index, const Event& event,
                    FormEvaluator& evaluator) {
     Onset onset{form_index, event.name, event.statistic, event.threshold};
-    onset.rays = steps.front()->summaries[form_index].rays;
-    onset.views = steps.front()->summaries[form_index].views;
+    onset.ray_count = steps.front()->summaries[form_index].rays;
+    onset.view_count = steps.front()->summaries[form_index].views;
     const auto first_bad_step =
         std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->summaries[form_index]); });
     if (first_bad_step == steps.end()) return onset;

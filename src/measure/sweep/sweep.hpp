@@ -38,7 +38,7 @@ struct Onset {
     /// the form stays bad are recorded. `is_good_at_end`: the last step is good, and neither is recorded.
     bool recovers = false, is_good_at_end = false;
     double last_good_after = 0, bad_again = 0;
-    std::uint64_t rays = 0, views = 0;  ///< of every step; with fewer rays, a first failure is found later
+    std::uint64_t ray_count = 0, view_count = 0;  ///< of every step; with fewer rays, a first failure is found later
     /// `first_bad` of further draws, one for each seed; NaN if the event does not happen.
     std::vector<double> further_first_bad = {};
 

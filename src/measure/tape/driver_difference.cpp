@@ -22,7 +22,7 @@ using intersect::table::FormAnswers;
 using intersect::table::RandomRays;
 
 /// The program with some rewritings, as a driver might run it.
-struct Suspect {
+struct CandidateProgram {
     DerivedTape program;
     bool flushes_subnormals = false;
     NodeId inexact_operation = no_node;
@@ -75,9 +75,9 @@ struct Answer {
     float t;
 };
 
-Answer compute_answer(const Suspect& suspect, const RandomRays<float>& rays, std::size_t ray,
+Answer compute_answer(const CandidateProgram& candidate, const RandomRays<float>& rays, std::size_t ray,
                       std::vector<double>& values) {
-    const Tape& tape = suspect.program.tape;
+    const Tape& tape = candidate.program.tape;
     values.resize(tape.nodes.size());
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
@@ -93,11 +93,11 @@ Answer compute_answer(const Suspect& suspect, const RandomRays<float>& rays, std
                                     tape.format_of(i) == binary32);
 
         // The deviations of the suspected driver
-        if (suspect.flushes_subnormals && tape.format_of(i) == binary32)
+        if (candidate.flushes_subnormals && tape.format_of(i) == binary32)
             value = flush_subnormal(static_cast<float>(value));
-        if (i == suspect.inexact_operation)
-            for (int k = 0; k < std::abs(suspect.ulps); ++k)
-                value = std::nextafter(static_cast<float>(value), suspect.ulps > 0 ? INFINITY : -INFINITY);
+        if (i == candidate.inexact_operation)
+            for (int k = 0; k < std::abs(candidate.ulps); ++k)
+                value = std::nextafter(static_cast<float>(value), candidate.ulps > 0 ? INFINITY : -INFINITY);
         values[static_cast<std::size_t>(i)] = value;
     }
     return {values[static_cast<std::size_t>(tape.outputs.hit)] != 0,
@@ -123,7 +123,8 @@ public:
         // operation that is not rounded correctly.
         for (const unsigned rewriting_set : rewriting_sets) {
             SitesByRewriting sites;
-            if (const auto suspect = rewrite(rewriting_set, nullptr, &sites); suspect && explains_all_rays(*suspect))
+            if (const auto candidate = rewrite(rewriting_set, nullptr, &sites);
+                candidate && explains_all_rays(*candidate))
                 return report_minimal(rewriting_set, sites, difference);
         }
         for (const unsigned rewriting_set : rewriting_sets)
@@ -136,26 +137,27 @@ private:
     using SitesByRewriting = std::vector<std::vector<NodeId>>;  ///< sites of each rewriting
 
     /// The program with the rewritings of a set. Returns nothing if one of the rewritings changes nothing.
-    std::optional<Suspect> rewrite(unsigned rewriting_set, const SitesByRewriting* sites,
-                                   SitesByRewriting* changed) const {
-        Suspect suspect{.program = original_, .flushes_subnormals = (rewriting_set >> names_.size()) != 0};
+    std::optional<CandidateProgram> rewrite(unsigned rewriting_set, const SitesByRewriting* sites,
+                                            SitesByRewriting* changed) const {
+        CandidateProgram candidate{.program = original_, .flushes_subnormals = (rewriting_set >> names_.size()) != 0};
         for (std::size_t k = 0; k < names_.size(); ++k) {
             std::vector<NodeId> changed_sites;
             if ((rewriting_set >> k & 1U) != 0) {
-                suspect.program = rewrite_as_driver(suspect.program, k, sites ? &(*sites)[k] : nullptr, changed_sites);
+                candidate.program =
+                    rewrite_as_driver(candidate.program, k, sites ? &(*sites)[k] : nullptr, changed_sites);
                 if (changed_sites.empty()) return {};
             }
             if (changed) changed->push_back(changed_sites);
         }
-        return suspect;
+        return candidate;
     }
-    bool has_drivers_bits(const Suspect& s, std::size_t ray) {
-        const Answer answer = compute_answer(s, rays_, ray, values_);
+    bool has_drivers_bits(const CandidateProgram& candidate, std::size_t ray) {
+        const Answer answer = compute_answer(candidate, rays_, ray, values_);
         return FormAnswers<float>::are_same(answer.hit, answer.t, driver_.hit[ray] != 0, driver_.t[ray]);
     }
-    bool explains_all_rays(const Suspect& s) {
+    bool explains_all_rays(const CandidateProgram& candidate) {
         for (std::size_t i = 0; i < ray_count; ++i)
-            if (!has_drivers_bits(s, i)) return false;
+            if (!has_drivers_bits(candidate, i)) return false;
         return true;
     }
     /// Tries the rewritings of a set at some of the operations only, beginning with few operations. Returns true if a
@@ -176,8 +178,8 @@ private:
             SitesByRewriting subset(all_sites.size());
             for (std::size_t j = 0; j < sites.size(); ++j)
                 if ((mask >> j & 1U) != 0) subset[sites[j].first].push_back(sites[j].second);
-            const auto suspect = rewrite(rewriting_set, &subset, nullptr);
-            if (!suspect || !explains_all_rays(*suspect)) continue;
+            const auto candidate = rewrite(rewriting_set, &subset, nullptr);
+            if (!candidate || !explains_all_rays(*candidate)) continue;
             report_minimal(rewriting_set, subset, difference);
             return true;
         }
@@ -189,8 +191,8 @@ private:
             for (std::size_t j = sites[k].size(); j-- > 0 && sites[k].size() > 1;) {
                 SitesByRewriting fewer_sites = sites;
                 fewer_sites[k].erase(fewer_sites[k].begin() + static_cast<std::ptrdiff_t>(j));
-                if (const auto suspect = rewrite(rewriting_set, &fewer_sites, nullptr);
-                    suspect && explains_all_rays(*suspect))
+                if (const auto candidate = rewrite(rewriting_set, &fewer_sites, nullptr);
+                    candidate && explains_all_rays(*candidate))
                     sites = fewer_sites;
             }
         for (std::size_t k = 0; k < names_.size(); ++k)
@@ -201,27 +203,27 @@ private:
     /// true if one of them explains all rays.
     bool find_inexact_operation(unsigned rewriting_set, DriverDifference& difference) {
         SitesByRewriting sites;
-        auto suspect = rewrite(rewriting_set, nullptr, &sites);
-        if (!suspect) return false;
-        const Tape& tape = suspect->program.tape;
+        auto candidate = rewrite(rewriting_set, nullptr, &sites);
+        if (!candidate) return false;
+        const Tape& tape = candidate->program.tape;
         for (NodeId i = 0; i < tape.size(); ++i) {
             if (tape[i].op != TapeOp::div && tape[i].op != TapeOp::sqrt) continue;
-            suspect->inexact_operation = i;
-            const auto largest_ulps = find_largest_ulps(*suspect);
+            candidate->inexact_operation = i;
+            const auto largest_ulps = find_largest_ulps(*candidate);
             if (!largest_ulps) continue;
             for (std::size_t k = 0; k < names_.size(); ++k)
                 if (!sites[k].empty()) difference.rewritings.push_back({names_[k], sites[k]});
-            difference.inexact_operation = suspect->program.origins[static_cast<std::size_t>(i)];
+            difference.inexact_operation = candidate->program.origins[static_cast<std::size_t>(i)];
             difference.ulps = *largest_ulps;
             return true;
         }
         return false;
     }
     /// Finds the largest error that the inexact operation needs on any ray; empty if no error explains some ray.
-    std::optional<int> find_largest_ulps(Suspect& s) {
+    std::optional<int> find_largest_ulps(CandidateProgram& candidate) {
         int largest_ulps = 0;
         for (std::size_t ray = 0; ray < ray_count; ++ray) {
-            const int ulps = find_least_ulps(s, ray);
+            const int ulps = find_least_ulps(candidate, ray);
             if (ulps > max_ulps) return std::nullopt;
             largest_ulps = std::max(largest_ulps, ulps);
         }
@@ -229,11 +231,11 @@ private:
     }
     /// Finds the least error of the inexact operation that gives the driver's bits; more than `max_ulps` if no error
     /// does.
-    int find_least_ulps(Suspect& s, std::size_t ray) {
+    int find_least_ulps(CandidateProgram& candidate, std::size_t ray) {
         for (int magnitude = 0; magnitude <= max_ulps; ++magnitude)
             for (const int sign : {1, -1}) {
-                s.ulps = sign * magnitude;
-                if (has_drivers_bits(s, ray)) return magnitude;
+                candidate.ulps = sign * magnitude;
+                if (has_drivers_bits(candidate, ray)) return magnitude;
             }
         return max_ulps + 1;
     }
@@ -255,15 +257,15 @@ NodeId DriverDifference::first_changed() const {
     return least;
 }
 
-DriverDifference driver_difference(const Intersector& driver, const Intersector& program) {
-    const RandomRays<float> rays(program.shape, ray_count, driver.info->direction == intersect::Direction::unit);
+DriverDifference find_driver_difference(const Intersector& driver, const Intersector& program_form) {
+    const RandomRays<float> rays(program_form.shape, ray_count, driver.info->direction == intersect::Direction::unit);
     const FormAnswers<float> driver_answers = rays.answers(driver.native32),
-                             program_answers = rays.answers(program.native32);
-    DriverDifference difference{.rays = ray_count, .differing_rays = 0, .rewritings = {}};
+                             program_answers = rays.answers(program_form.native32);
+    DriverDifference difference{.ray_count = ray_count, .differing_rays = 0, .rewritings = {}};
     for (std::size_t i = 0; i < ray_count; ++i)
         difference.differing_rays += driver_answers.are_same(program_answers, i) ? 0 : 1;
     if (difference.differing_rays > 0)
-        Search(record_tape(program, *find_format("f32")), rays, driver_answers).find(difference);
+        Search(record_tape(program_form, *find_format("f32")), rays, driver_answers).find(difference);
     return difference;
 }
 

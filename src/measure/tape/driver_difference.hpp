@@ -18,7 +18,7 @@ struct DriverRewriting {
 };
 
 struct DriverDifference {
-    std::size_t rays = 0;            ///< number of rays compared
+    std::size_t ray_count = 0;       ///< number of rays compared
     std::size_t differing_rays = 0;  ///< number of these rays with different bits
     /// The smallest set of rewritings, with the fewest operations, with which the program has the driver's bits on all
     /// rays. Empty if no tested set has them.
@@ -36,8 +36,8 @@ struct DriverDifference {
 
 /// Compares the driver's form with the form of the program that it compiled, in f32 on random rays. Both have one
 /// shape.
-DriverDifference driver_difference(const intersect::table::Intersector& driver,
-                                   const intersect::table::Intersector& program);
+DriverDifference find_driver_difference(const intersect::table::Intersector& driver,
+                                        const intersect::table::Intersector& program_form);
 
 /// Names of the rewritings that are tried.
 std::vector<std::string> driver_rewriting_names();

@@ -23,13 +23,13 @@ using scene::rays::RayBlock;
 namespace {
 
 /// Primitives of ` culler`; without one, those of the group.
-PrimitiveList<double> shared_primitive_list(const scene::rays::RayGroup& group, const culling::Culler* culler) {
+PrimitiveList<double> make_shared_primitive_list(const scene::rays::RayGroup& group, const culling::Culler* culler) {
     return culler ? culler->shared_primitives() : scene::rays::primitive_list_of(group);
 }
 
 /// True if binary32 holds every number of the group; `primitives` lists its primitives. Every format holds a NaN.
 bool fits_binary32(const scene::rays::RayGroup& group, const PrimitiveList<double>& primitives) {
-    bool all_fit = !group.mesh || primitives.flake_and_mesh().inputs == scene::file::Inputs::shared;
+    bool all_fit = !group.mesh || primitives.flake_and_mesh().inputs == scene::file::InputRounding::shared;
     const auto check_number = [&all_fit](double x) {
         all_fit &= static_cast<double>(static_cast<float>(x)) == x || x != x;
         return x;
@@ -66,7 +66,7 @@ RayBlock normalise_rays(const RayBlock& rays, const FloatFormat& format, interse
 
 Band::Band(const scene::file::Scene& scene, int y0, int y1, ProofLimit limit, culling::Culler* culler)
     : culler_(culler), scene_(&scene), y0_(y0), scanlines_(y1 - y0), limit_(limit) {
-    if (scene.inputs == scene::file::Inputs::shared) {
+    if (scene.inputs == scene::file::InputRounding::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
         shared_primitives_ =
             culler ? culler->shared_primitives() : PrimitiveList(scene::rays::shared_primitives(scene));
@@ -99,7 +99,7 @@ Band::Band(scene::rays::RayGroup group, ProofLimit limit, culling::Culler* culle
       scanlines_(group.rays.y1 - group.rays.y0),
       limit_(limit),
       is_paired_(group.is_paired),
-      shared_primitives_(shared_primitive_list(group, culler)),
+      shared_primitives_(make_shared_primitive_list(group, culler)),
       shared_march_(group.march) {
     binary32_holds_all_ = fits_binary32(group, shared_primitives_);
     shared_ = std::move(group.rays);
@@ -145,7 +145,7 @@ Truth find_candidate_truth(Candidates candidates, std::size_t i, const Ray<S>& r
         return truth;
     }
     if (index == nullptr) {
-        if (primitives.all_listed()) return find_truth(ray, primitives.listed(), limit, convention, range);
+        if (primitives.all_listed()) return find_truth(ray, primitives.listed_primitives(), limit, convention, range);
         return find_truth(ray, std::span<const Primitive<S>>(primitives.all()), limit, convention, range);
     }
 
@@ -222,7 +222,7 @@ bool Band::needs_special_truth(std::size_t i, Convention convention) const {
     if (convention.inside == Inside::usual) return false;
     if (has_ranges) return true;  // the ray may begin elsewhere than at its origin
     if (ideal_ || !shared_primitives_.all_listed() || (culler_ && culler_->index_for_truth())) return true;
-    const auto primitives = shared_primitives_.listed();
+    const auto primitives = shared_primitives_.listed_primitives();
     return std::ranges::any_of(
         is_paired_ ? primitives.subspan(i, 1) : primitives,
         [ray = shared_[i]](const Primitive<double>& primitive) { return culling::may_start_inside(ray, primitive); });

@@ -59,7 +59,7 @@ struct FormatInputs {
         const intersect::MarchConstants<double>* march_ = nullptr;
     };
     [[nodiscard]] OwnedTarget target_for(const intersect::table::Intersector& form, std::size_t primitive) const {
-        return !is_primitive(form.shape) ? OwnedTarget(primitives.listed(), march.value())
+        return !is_primitive(form.shape) ? OwnedTarget(primitives.listed_primitives(), march.value())
                                          : OwnedTarget(primitives[primitive]);
     }
 };

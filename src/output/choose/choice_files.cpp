@@ -176,7 +176,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
         fmt::format("Time: {} of the rays against {} of the primitives, median of {} of this run, bars from quartile "
                     "to quartile. Named: the Pareto front, on which fewer wrong decisions count before more bits, and "
                     "the chosen form.",
-                    result.timed.rays, result.timed.primitives,
+                    result.timed.ray_count, result.timed.primitive_count,
                     text::count_with_noun(result.request.plan.repetitions, "repetition"))};
 
     spec.x.title = "time per ray and primitive, ns";
@@ -193,7 +193,7 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
         {.label = "not on the Pareto front", .marker = 0, .colour = 0, .is_faint = true}};
     if (result.cheapest_index)
         spec.keys.push_back({.label = "chosen", .marker = chosen_marker, .colour = plot::ink_colour});
-    return plot::scatter_plot(spec);
+    return plot::draw_scatter_plot(spec);
 }
 
 ChoiceWriter::ChoiceWriter(const std::filesystem::path& folder)

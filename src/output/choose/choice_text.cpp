@@ -319,8 +319,8 @@ std::string choice_text(const ChoiceResult& result) {
     if (result.requirement_map) text += requirement_map_text(result, *result.requirement_map);
     text += mended_text(result) + file_answers_text(result) + single_ray_text(result.candidates);
     return text + fmt::format("Times are of this run: {} of the {} against {} of its primitives.\n",
-                              text::count_with_noun(result.timed.rays, "ray"), result.request.rays ? "file" : "scene",
-                              result.timed.primitives);
+                              text::count_with_noun(result.timed.ray_count, "ray"),
+                              result.request.rays ? "file" : "scene", result.timed.primitive_count);
 }
 
 }  // namespace lostbits::output::choose

@@ -5,7 +5,7 @@
 
 namespace lostbits::output::file {
 
-std::string base64(std::string_view bytes) {
+std::string encode_base64(std::string_view bytes) {
     static constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;
     text.reserve((bytes.size() + 2) / 3 * 4);

@@ -7,6 +7,6 @@
 namespace lostbits::output::file {
 
 /// Base64 of RFC 4648, with padding.
-[[nodiscard]] std::string base64(std::string_view bytes);
+[[nodiscard]] std::string encode_base64(std::string_view bytes);
 
 }  // namespace lostbits::output::file

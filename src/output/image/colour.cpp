@@ -19,7 +19,7 @@ constexpr std::array<Rgb8, 20> first_colours{{
     {34, 102, 51},  {255, 102, 187}, {119, 136, 153}, {255, 214, 170}, {0, 68, 119},
 }};
 
-const std::array<std::uint16_t, 256>& linear_table() {
+const std::array<std::uint16_t, 256>& linear_light_of_byte() {
     static const auto table = [] {
         std::array<std::uint16_t, 256> out{};
         for (int i = 0; i < 256; ++i) {
@@ -32,14 +32,15 @@ const std::array<std::uint16_t, 256>& linear_table() {
     return table;
 }
 
-/// Colour at a position from 0 to 1 of a ramp.
-inline Rgb8 colour_at(const std::vector<Rgb8>& table, double position) {
+/// Colour of a ramp at a position from 0 to 1.
+Rgb8 ramp_colour(const std::vector<Rgb8>& table, double position) {
     const double exact_index = std::clamp(position, 0.0, 1.0) * static_cast<double>(table.size() - 1);
-    const auto below = static_cast<std::size_t>(exact_index);  // rounds halves up, like lround
+    const auto below = static_cast<std::size_t>(exact_index);
+    // Rounds halves up, like lround.
     return table[below + (exact_index - static_cast<double>(below) >= 0.5 ? 1 : 0)];
 }
 
-bool is_divisor(double step, double value) {
+bool is_multiple(double value, double step) {
     const double n = value / step;
     return std::fabs(n - std::round(n)) < 1e-6;
 }
@@ -49,17 +50,17 @@ bool is_divisor(double step, double value) {
 double choose_step(double lo, double hi, double min_step) {
     const double power_of_10 = std::pow(10.0, std::floor(std::log10(min_step)));
     for (const double m : {1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0}) {
-        if (m * power_of_10 >= min_step * (1 - 1e-9) && is_divisor(m * power_of_10, lo) &&
-            is_divisor(m * power_of_10, hi))
+        if (m * power_of_10 >= min_step * (1 - 1e-9) && is_multiple(lo, m * power_of_10) &&
+            is_multiple(hi, m * power_of_10))
             return m * power_of_10;
     }
     return round_step(min_step);
 }
 
 /// Oklab (Ottosson 2020) in whole thousandths, so that the last bits of a machine's cbrt do not matter.
-struct Lab {
+struct Oklab {
     int l, a, b;
-    explicit Lab(Rgb8 c) {
+    explicit Oklab(Rgb8 c) {
         const auto linear = [](std::uint8_t x) { return linear_light(x) / 65535.0; };
         const double r = linear(c.r), g = linear(c.g), blue = linear(c.b);
         const double x = std::cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * blue);
@@ -70,7 +71,7 @@ struct Lab {
         a = thousandths(1.9779984951 * x - 2.4285922050 * y + 0.4505937099 * z);
         b = thousandths(0.0259040371 * x + 0.7827717662 * y - 0.8086757660 * z);
     }
-    [[nodiscard]] int distance(const Lab& o) const {
+    [[nodiscard]] int distance(const Oklab& o) const {
         return (l - o.l) * (l - o.l) + (a - o.a) * (a - o.a) + (b - o.b) * (b - o.b);
     }
 };
@@ -82,11 +83,11 @@ public:
         for (int i = 0; i < 17 * 17 * 17; ++i) {
             const auto level = [](int k) { return static_cast<std::uint8_t>(k * 255 / 16); };
             const Rgb8 c{level(i / 289), level(i / 17 % 17), level(i % 17)};
-            candidates_.push_back({c, Lab(c), std::numeric_limits<int>::max()});
+            candidates_.push_back({c, Oklab(c), std::numeric_limits<int>::max()});
         }
     }
     void exclude(Rgb8 c) {
-        const Lab lab(c);
+        const Oklab lab(c);
         for (Candidate& candidate : candidates_)
             candidate.nearest = std::min(candidate.nearest, candidate.lab.distance(lab));
     }
@@ -99,7 +100,7 @@ public:
 private:
     struct Candidate {
         Rgb8 colour;
-        Lab lab;
+        Oklab lab;
         int nearest;
     };
     std::vector<Candidate> candidates_;
@@ -120,7 +121,7 @@ Rgb8 distinct_colour(std::size_t index) {
     return colours[index % colours.size()];
 }
 
-double ColourScale::to_spacing(double value) const {
+double ColourScale::to_even_scale(double value) const {
     switch (spacing_) {
         case Spacing::root: return std::sqrt(value);
         case Spacing::log2: return std::log2(value);
@@ -137,23 +138,23 @@ ColourScale::ColourScale(std::string name, std::vector<Rgb8> table, double lo, d
         throw std::invalid_argument("colour scale " + name_ + ": not a valid range from " + file::decimal(lo) + " to " +
                                     file::decimal(hi));
     }
-    spaced_lo_ = to_spacing(lo);
-    spaced_range_ = to_spacing(hi) - spaced_lo_;
+    spaced_lo_ = to_even_scale(lo);
+    spaced_range_ = to_even_scale(hi) - spaced_lo_;
 }
 
 double ColourScale::position(double value) const {
     if (std::isnan(value)) throw std::invalid_argument("colour scale " + name_ + ": a NaN has no colour");
     if (value <= lo_) return 0;
     if (value >= hi_) return 1;
-    return std::clamp((to_spacing(value) - spaced_lo_) / spaced_range_, 0.0, 1.0);
+    return std::clamp((to_even_scale(value) - spaced_lo_) / spaced_range_, 0.0, 1.0);
 }
 
-Rgb8 ColourScale::colour_at_position(double position) const { return colour_at(table_, position); }
+Rgb8 ColourScale::colour_at_position(double position) const { return ramp_colour(table_, position); }
 
 Rgb8 ColourScale::colour_of_value(double value) const {
     // The same as colour_at_position(position(value)) in one call, because it runs for every pixel.
     if (!(value > lo_ && value < hi_)) return colour_at_position(position(value));
-    return colour_at(table_, (to_spacing(value) - spaced_lo_) / spaced_range_);
+    return ramp_colour(table_, (to_even_scale(value) - spaced_lo_) / spaced_range_);
 }
 
 /// Ticks at both ends, then at powers of two where there is space, powers of four first.
@@ -223,10 +224,10 @@ std::vector<double> multiples(double step, double lo, double hi) {
     return out;
 }
 
-std::uint16_t linear_light(std::uint8_t srgb) noexcept { return linear_table()[srgb]; }
+std::uint16_t linear_light(std::uint8_t srgb) noexcept { return linear_light_of_byte()[srgb]; }
 
 std::uint8_t srgb_byte(std::uint16_t linear) noexcept {
-    const auto& table = linear_table();
+    const auto& table = linear_light_of_byte();
     const auto above = std::lower_bound(table.begin(), table.end(), linear);
     if (above == table.begin()) return 0;
     const auto below = above - 1;

@@ -103,7 +103,7 @@ public:
 
 private:
     /// The value, its root or its logarithm, whichever has even steps along the ramp.
-    [[nodiscard]] double to_spacing(double value) const;
+    [[nodiscard]] double to_even_scale(double value) const;
     [[nodiscard]] std::vector<Tick> root_ticks(int max_ticks) const;
     [[nodiscard]] std::vector<Tick> log_ticks(int max_ticks) const;
 
@@ -111,7 +111,7 @@ private:
     std::vector<Rgb8> table_;
     double lo_, hi_;
     Spacing spacing_;
-    double spaced_lo_, spaced_range_;  ///< `to_spacing(lo)`, and `to_spacing(hi)` minus `to_spacing(lo)`
+    double spaced_lo_, spaced_range_;  ///< `to_even_scale(lo)`, and `to_even_scale(hi)` minus `to_even_scale(lo)`
 };
 
 // Round values for the ticks of axes and colour bars.

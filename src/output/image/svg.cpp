@@ -181,7 +181,7 @@ private:
             "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" "
             "image-rendering=\"pixelated\" href=\"data:image/png;base64,{}\"/>\n",
             field.box.x, field.box.y, field.box.width, field.box.height,
-            file::base64(image_backend().png_bytes(field.columns, field.rows(), field.samples)));
+            file::encode_base64(image_backend().png_bytes(field.columns, field.rows(), field.samples)));
     }
 
     std::string text_;

@@ -53,8 +53,8 @@ void add_list_columns(Table<MeshSummaryRow>& table) {
                        }});
     };
     table.add({"measured", "hits whose triangle the ray meets, and whose t is a number",
-               [](const MeshSummaryRow& r) { return r.result->ulps.count(); }});
-    add_numbers("ulp_error", "ulp", "|t - t*|/ulp(t*) of these", &MeshAnswersResult::ulps);
+               [](const MeshSummaryRow& r) { return r.result->ulp_errors.count(); }});
+    add_numbers("ulp_error", "ulp", "|t - t*|/ulp(t*) of these", &MeshAnswersResult::ulp_errors);
     add_numbers("lost_bits", "bits", "bits lost by these", &MeshAnswersResult::lost_bits);
 }
 
@@ -69,14 +69,14 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
          [](const MeshSummaryRow& r) {
              return std::string(scene::ray_file::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
          }},
-        {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->rays; }}};
+        {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->answers; }}};
 
     for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
         const auto outcome = static_cast<MeshOutcome>(o);
         if (!measure::judge::can_have_outcome(outcome, kind)) continue;
         const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
         table.add({std::string(name), records + ": " + std::string(meaning),
-                   [outcome](const MeshSummaryRow& r) { return r.result->count(outcome); }});
+                   [outcome](const MeshSummaryRow& r) { return r.result->outcome_count(outcome); }});
     }
 
     if (kind != AnswerKind::inside)
@@ -88,8 +88,9 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
 
 std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result) {
     std::vector<MeshFaultRow> rows;
-    for (std::size_t o = 0; o < result.first.size(); ++o)
-        if (result.first[o]) rows.push_back({static_cast<MeshOutcome>(o), result.outcomes[o], &*result.first[o]});
+    for (std::size_t o = 0; o < result.first_faults.size(); ++o)
+        if (result.first_faults[o])
+            rows.push_back({static_cast<MeshOutcome>(o), result.outcomes[o], &*result.first_faults[o]});
     return rows;
 }
 
@@ -109,9 +110,9 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     Table<R> table{{"record", "index of its first record in the file, from 0", &R::record}};
 
     // The ray or the point.
-    constexpr std::array ray_names{"ox", "oy", "oz", "dx", "dy", "dz"}, point_names{"px", "py", "pz", "", "", ""};
+    constexpr std::array ray_names{"ox", "oy", "oz", "dx", "dy", "dz"}, point_kind_names{"px", "py", "pz", "", "", ""};
     for (int k = 0; k < (is_point ? 3 : 6); ++k)
-        table.add({(is_point ? point_names : ray_names).at(static_cast<std::size_t>(k)), "number of it, as judged",
+        table.add({(is_point ? point_kind_names : ray_names).at(static_cast<std::size_t>(k)), "number of it, as judged",
                    [k](const R& r) { return k < 3 ? r.ray.origin[k] : r.ray.direction[k - 3]; }});
 
     // The judgement and the answer.
@@ -120,7 +121,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     table.add({kind == AnswerKind::all_hits
                    ? "listed"
                    : std::string(scene::ray_file::answer_kind_names.at(static_cast<std::size_t>(kind))),
-               kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::count});
+               kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::answer_count});
     if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
 
     // Counts of crossings and hits.
@@ -138,7 +139,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
 
     return table.add({"ulp_error", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
                           double largest = measure::truth::missing;
-                          for (const double ulps : r.ulps) largest = std::fmax(largest, std::fabs(ulps));
+                          for (const double ulps : r.ulp_errors) largest = std::fmax(largest, std::fabs(ulps));
                           return file::number_or_missing(largest);
                       }});
 }

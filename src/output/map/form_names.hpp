@@ -16,14 +16,14 @@ using intersect::Info;
 using measure::evaluate::TestedForm;
 
 /// True if a form belongs to the catalogue. Names in the catalogue begin with a shape; names from outside do not.
-[[nodiscard]] inline bool is_of_catalogue(const Info& info) {
+[[nodiscard]] inline bool is_in_catalogue(const Info& info) {
     return std::ranges::find(shape_names, info.name.substr(0, info.name.find('.'))) != shape_names.end();
 }
 
 /// Name of a form without its shape, for tables whose forms all have one shape: `unified` for `sphere.unified`. Forms
 /// outside the catalogue and sets keep their whole names.
 [[nodiscard]] inline std::string short_name(const Info& info) {
-    const bool is_single_form = is_of_catalogue(info) && info.name.find('.') == info.name.rfind('.');
+    const bool is_single_form = is_in_catalogue(info) && info.name.find('.') == info.name.rfind('.');
     return std::string(info.name.substr(is_single_form ? info.name.find('.') + 1 : 0));
 }
 
@@ -54,13 +54,13 @@ using measure::evaluate::TestedForm;
 
 /// Properties of a tested form that its true answers depend on. Tested forms with equal properties share the truth of
 /// every ray.
-struct TruthKind {
+struct TruthKey {
     intersect::Direction direction;
     intersect::Convention convention;
     const scene::camera::RayGenerator* generator;  ///< its ideal rays may have other origins
-    friend bool operator==(const TruthKind&, const TruthKind&) = default;
+    friend bool operator==(const TruthKey&, const TruthKey&) = default;
 };
-[[nodiscard]] inline TruthKind truth_kind(const TestedForm& tested_form) {
+[[nodiscard]] inline TruthKey truth_key(const TestedForm& tested_form) {
     return {tested_form.form->info->direction, tested_form.convention(), scene::rays::generator_of(*tested_form.form)};
 }
 
@@ -68,7 +68,7 @@ struct TruthKind {
 struct FormGrid {
     /// Indices of the form and the format of a tested form in the grid.
     struct GridCell {
-        std::size_t form, format;
+        std::size_t form_index, format_index;
     };
     std::vector<std::string> forms, formats;
     std::vector<GridCell> cells;  ///< one per tested form

@@ -16,7 +16,7 @@ using measure::truth::missing;
 
 /// A part with the truth that several tested forms share. It is filled from the first of these, `first_form`.
 struct MapExr::TruthPart {
-    TruthKind kind;
+    TruthKey kind;
     const TestedForm* first_form;
     pixel::ExrLayers<MapStrip> layers;
 
@@ -179,9 +179,9 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
     for (const TestedForm& tested_form : request.map.tested_forms) {
         series_.push_back({&tested_form, series_layers(request, tested_form)});
         const std::size_t truth_index =
-            index_in(truth_parts_, [kind = truth_kind(tested_form)](const TruthPart& t) { return t.kind == kind; });
+            index_in(truth_parts_, [kind = truth_key(tested_form)](const TruthPart& t) { return t.kind == kind; });
         if (truth_index == truth_parts_.size())
-            truth_parts_.push_back({truth_kind(tested_form), &tested_form, truth_layers(tested_form)});
+            truth_parts_.push_back({truth_key(tested_form), &tested_form, truth_layers(tested_form)});
         parts.push_back(
             series_part(request, tested_form, truth_parts_[truth_index].name(), series_.back().layers.channels()));
     }

@@ -236,7 +236,7 @@ void MapPictures::finish(const std::vector<FormSummary>& summaries) {
 }
 
 std::string input_note(const scene::file::Scene& scene, std::span<const TestedForm> tested_forms) {
-    if (scene.inputs == scene::file::Inputs::own)
+    if (scene.inputs == scene::file::InputRounding::own)
         return "each format rounds the ideal scene itself, and errors include that rounding (metric input_error)";
     std::vector<std::string> narrow_formats;
     for (const TestedForm& tested_form : tested_forms) {

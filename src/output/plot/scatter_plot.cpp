@@ -198,7 +198,7 @@ AxisRange axis_range(const ScatterPlotSpec& spec, const AxisSpec& axis, double S
 
 }  // namespace
 
-Canvas scatter_plot(const ScatterPlotSpec& spec) {
+Canvas draw_scatter_plot(const ScatterPlotSpec& spec) {
     // Measure the head, the legend, the axes and the footnotes.
     const AxisRange x = axis_range(spec, spec.x, &ScatterPoint::x), y = axis_range(spec, spec.y, &ScatterPoint::y);
     const int content_width = spec.width - 2 * image::style::margin;

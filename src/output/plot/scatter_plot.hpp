@@ -44,6 +44,6 @@ struct ScatterPlotSpec {
     int width = 1100, height = 760;
 };
 
-[[nodiscard]] image::Canvas scatter_plot(const ScatterPlotSpec& spec);
+[[nodiscard]] image::Canvas draw_scatter_plot(const ScatterPlotSpec& spec);
 
 }  // namespace lostbits::output::plot

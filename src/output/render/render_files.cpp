@@ -56,7 +56,7 @@ table::Table<S> number_columns() {
         {"not_a_number", "pixels on which the form reports a hit at NaN", seen(SeenContent::not_a_number)},
 
         // Pixels in doubt, and changed pixels
-        {"unresolved", "pixels whose content, shadow or colour could not be proved", &S::unresolved},
+        {"unresolved", "pixels whose content, shadow or colour could not be proved", &S::unresolved_count},
         {"changed", "pixels with a byte that differs from the certified picture", &S::changed_pixels},
         {"changed_fraction", "1", "changed, as a share of all pixels",
          [](const S& r) { return table::fraction_or_missing(r.changed_pixels, r.pixels); }},

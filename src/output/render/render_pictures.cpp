@@ -124,7 +124,7 @@ private:
             const map::FormGrid::GridCell cell = grid_.cells[r];
             add({.file = fmt::format("{}.{}.png", stage, name),
                  .look = picture_look_,
-                 .sheet_positions = {{1 + cell.form, s * grid_.formats.size() + cell.format}},
+                 .sheet_positions = {{1 + cell.form_index, s * grid_.formats.size() + cell.format_index}},
                  .has_only_pixels = true},
                 r, [s](const RenderBand& band, std::size_t i) { return pixel_of(band.painted[s][i]); });
             add(difference_map_spec(r, fmt::format("{}.{}.colour.png", stage, name),
@@ -226,7 +226,7 @@ std::vector<study::Note> RenderPresentation::notes(const RenderStudy& study,
     std::vector<study::Note> notes;
     for (std::size_t r = 0; r < summaries.size(); ++r)
         for (std::size_t s = 0; s < summaries[r].size(); ++s)
-            notes.push_back({{1 + grid.cells[r].form, s * grid.formats.size() + grid.cells[r].format},
+            notes.push_back({{1 + grid.cells[r].form_index, s * grid.formats.size() + grid.cells[r].format_index},
                              thumbnail_note(summaries[r][s])});
     return notes;
 }

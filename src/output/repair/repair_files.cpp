@@ -50,19 +50,19 @@ FormRow make_proposal_row(const RepairSummary& summary, const Proposal& proposal
         return {"rewritten",
                 rule_names(*proposal.rewritten),
                 original_row,
-                proposal.rewritten->operations,
+                proposal.rewritten->rounding_operation_count,
                 proposal.rewritten->wider_set ? proposal.rewritten->wider_set->operations.size() : 0,
                 proposal.quality,
                 proposal.held_out_quality,
                 proposal.probe_qualities,
                 rule_names(*proposal.rewritten)};
 
-    const std::string name = fmt::format("{} of {} in {}", proposal.wider_operations->size(), repair.operations,
-                                         wider_format_name(repair.wider));
+    const std::string name = fmt::format("{} of {} in {}", proposal.wider_operations->size(),
+                                         repair.rounding_operation_count, wider_format_name(repair.wider));
     FormRow row{proposal.is_symmetric_set ? "symmetric" : "wider",
                 proposal.is_symmetric_set ? name + ", symmetric" : name,
                 original_row,
-                repair.operations,
+                repair.rounding_operation_count,
                 proposal.wider_operations->size(),
                 proposal.quality,
                 proposal.held_out_quality,
@@ -75,13 +75,13 @@ FormRow make_proposal_row(const RepairSummary& summary, const Proposal& proposal
 FormRow make_all_wider_row(const RepairSummary& summary) {
     const auto& repair = summary.repair;
     return {"all_wider",
-            fmt::format("all {} in {}", repair.operations, wider_format_name(repair.wider)),
+            fmt::format("all {} in {}", repair.rounding_operation_count, wider_format_name(repair.wider)),
             summary.request.tested_form,
-            repair.operations,
-            repair.operations,
+            repair.rounding_operation_count,
+            repair.rounding_operation_count,
             &repair.all_wider_quality,
-            repair.wider_set ? nullptr : &repair.set_held_out,
-            repair.wider_set ? nullptr : &repair.set_probed};
+            repair.wider_set ? nullptr : &repair.set_held_out_quality,
+            repair.wider_set ? nullptr : &repair.set_probe_qualities};
 }
 
 /// Gives the rows their times, in the order of `RepairSummary::prices`, and marks the rows on the Pareto front.
@@ -103,8 +103,9 @@ void set_prices(std::vector<FormRow>& rows, const RepairSummary& summary) {
 std::vector<FormRow> form_rows(const RepairSummary& summary) {
     const auto& repair = summary.repair;
     const auto& original_row = summary.request.tested_form;
-    std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row, repair.operations, 0,
-                               &repair.own_quality, &repair.own_held_out, &repair.own_probed}};
+    std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row,
+                               repair.rounding_operation_count, 0, &repair.own_quality, &repair.own_held_out_quality,
+                               &repair.own_probe_qualities}};
 
     // All operations wider come after the sets and before the rewritings.
     const auto add_proposal = [&](const Proposal& proposal) { rows.push_back(make_proposal_row(summary, proposal)); };
@@ -205,7 +206,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
                   .colour = plot::ink_colour,
                   .is_hollow = true},
                  {.label = "not on the Pareto front", .marker = catalogue_marker, .colour = 0, .is_faint = true}};
-    return plot::scatter_plot(spec);
+    return plot::draw_scatter_plot(spec);
 }
 
 Table<FormRow> form_table() {
@@ -220,9 +221,9 @@ Table<FormRow> form_table() {
     table.add(table::subject_columns("form", "of its inputs and answers"), &R::tested_form);
     table.add({{"wider", "format of the wider operations; missing if no operation is wider", &R::wider_format},
                {"wider_operations", "number of its operations that are done wider; missing for the catalogue",
-                [](const R& r) { return when(r.operations != 0, r.wider_operations); }},
+                [](const R& r) { return when(r.rounding_operation_count != 0, r.wider_operations); }},
                {"operations", "number of its rounding operations; missing for the catalogue",
-                [](const R& r) { return when(r.operations != 0, r.operations); }},
+                [](const R& r) { return when(r.rounding_operation_count != 0, r.rounding_operation_count); }},
                {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
 
     // Accuracy on the rays of the search, and on others.

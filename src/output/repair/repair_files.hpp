@@ -90,7 +90,7 @@ struct FormRow {
     std::string_view kind;  ///< own, wider, symmetric, all_wider, rewritten, catalogue
     std::string name;       ///< `sphere.half_b`, `3 of 20 in double`, `cross products, stable roots`
     measure::evaluate::TestedForm tested_form;  ///< the form of the catalogue; otherwise the form that was repaired
-    std::size_t operations = 0;                 ///< number of rounding operations; 0 for the catalogue
+    std::size_t rounding_operation_count = 0;   ///< number of rounding operations; 0 for the catalogue
     std::size_t wider_operations = 0;           ///< number of operations that are done wider
     const FormQuality* quality = nullptr;
     const FormQuality* held_out_quality =

@@ -58,12 +58,13 @@ std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary
 }
 
 std::string unchanged_is_enough_text(const RepairSummary& summary) {
-    return fmt::format("It meets the requirement as it is: no operation has to be wider.\n{}",
-                       summary.repair.own_held_out.meets(summary.request.requirement)
-                           ? ""
-                           : fmt::format("On {} it does not: {}.\n",
-                                         summary.request.scene ? "rays that lie between these" : "all rays of the file",
-                                         quality_text(summary.repair.own_held_out, summary.request.requirement)));
+    return fmt::format(
+        "It meets the requirement as it is: no operation has to be wider.\n{}",
+        summary.repair.own_held_out_quality.meets(summary.request.requirement)
+            ? ""
+            : fmt::format("On {} it does not: {}.\n",
+                          summary.request.scene ? "rays that lie between these" : "all rays of the file",
+                          quality_text(summary.repair.own_held_out_quality, summary.request.requirement)));
 }
 
 /// Change that proposal `k` makes: a patch of the user's file if there is one, otherwise lines of the formula.
@@ -93,7 +94,7 @@ std::string held_out_text(const RepairSummary& summary, const FormQuality& on_se
             : fmt::format("all {} of the file", text::count_with_noun(summary.request.rays->ray_count, "ray"));
     std::string text = fmt::format("  On {}: {}; without the change: {}.\n", rays_text,
                                    quality_text(held_out, summary.request.requirement),
-                                   quality_text(repair.own_held_out, summary.request.requirement));
+                                   quality_text(repair.own_held_out_quality, summary.request.requirement));
     if (on_searched.meets(summary.request.requirement) && !held_out.meets(summary.request.requirement))
         text += fmt::format("  There it does not meet the requirement: it was found for the {} only.\n",
                             summary.request.scene ? "pixels of this scene" : "rays that the search kept");
@@ -152,7 +153,7 @@ std::string symmetric_set_text(const RepairSummary& summary) {
     std::string text = fmt::format(
         "  It is not symmetric: it was found for the axes as they are.\nWith {} of its {} operations in {}, the same "
         "ones for x, y and z, it keeps {}.\n  Statements with wider operations: {}.\n",
-        symmetric_set.operations.size(), repair.operations, wider_format_name(repair.wider),
+        symmetric_set.operations.size(), repair.rounding_operation_count, wider_format_name(repair.wider),
         quality_text(symmetric_set.quality, summary.request.requirement),
         statement_names(summary, symmetric_set.operations));
     text += change_listing(summary, summary.has_wider_set() ? 1 : 0);
@@ -192,16 +193,16 @@ std::string wider_set_text(const RepairSummary& summary) {
     // The set, its changes and its size.
     std::string text = fmt::format(
         "With {} of its {} operations in {} it keeps {} ({} with all of them).\n", repair.wider_set->operations.size(),
-        repair.operations, wider_format_name(repair.wider), quality_text(repair.wider_set->quality, requirement),
-        quality_text(repair.all_wider_quality, requirement));
+        repair.rounding_operation_count, wider_format_name(repair.wider),
+        quality_text(repair.wider_set->quality, requirement), quality_text(repair.all_wider_quality, requirement));
     text += fmt::format("  Statements with wider operations: {}.\n",
                         statement_names(summary, repair.wider_set->operations));
     text += change_listing(summary, 0);
     text += wider_set_size_text(*repair.wider_set, requirement);
 
     // How well it does on other rays, and in larger scenes.
-    return text + held_out_text(summary, repair.wider_set->quality, repair.set_held_out) +
-           probes_text(summary, repair.set_probed) + margins_text(summary.margins, summary) +
+    return text + held_out_text(summary, repair.wider_set->quality, repair.set_held_out_quality) +
+           probes_text(summary, repair.set_probe_qualities) + margins_text(summary.margins, summary) +
            symmetric_set_text(summary);
 }
 
@@ -250,7 +251,8 @@ std::string rewritten_text(const RepairSummary& summary, std::size_t k) {
                             : "";
     std::string text = fmt::format("Written another way{} it keeps {}; {} instead of {}.\n", wider_text,
                                    quality_text(rewritten.quality, summary.request.requirement),
-                                   text::count_with_noun(rewritten.operations, "operation"), summary.repair.operations);
+                                   text::count_with_noun(rewritten.rounding_operation_count, "operation"),
+                                   summary.repair.rounding_operation_count);
     if (!rewritten.quality.meets(summary.request.requirement))
         return text + fmt::format("  That does not meet the requirement. Rules: {}.\n", rule_names(rewritten));
 
@@ -355,8 +357,8 @@ std::vector<Proposal> list_proposals(const RepairSummary& summary) {
     if (summary.has_wider_set())
         proposals.push_back({.tape = widen_operations(repair, repair.wider_set->operations),
                              .quality = &repair.wider_set->quality,
-                             .held_out_quality = &repair.set_held_out,
-                             .probe_qualities = &repair.set_probed,
+                             .held_out_quality = &repair.set_held_out_quality,
+                             .probe_qualities = &repair.set_probe_qualities,
                              .wider_operations = &repair.wider_set->operations});
     if (const auto& set = repair.symmetric)
         proposals.push_back({.tape = widen_operations(repair, set->operations),
@@ -387,7 +389,7 @@ bool Proposal::meets_on_exact_probes(const RepairSummary& summary) const {
 
 const Proposal* best_proposal(const std::vector<Proposal>& proposals, const RepairSummary& summary) {
     const auto rank = [&](const Proposal& p) {
-        const double operations = p.rewritten ? static_cast<double>(p.rewritten->operations) : HUGE_VAL;
+        const double operations = p.rewritten ? static_cast<double>(p.rewritten->rounding_operation_count) : HUGE_VAL;
         return std::pair(!p.meets_on_exact_probes(summary), p.price ? p.price->packed.median : operations);
     };
     const Proposal* best = nullptr;
@@ -426,8 +428,8 @@ std::string statement_names(const RepairSummary& summary, const std::vector<Node
 std::string method_text(const RepairSummary& summary, const Proposal& proposal) {
     const auto& repair = summary.repair;
     if (proposal.rewritten) return "written another way: " + rule_names(*proposal.rewritten);
-    return fmt::format("{} of its {} operations in {}{}", proposal.wider_operations->size(), repair.operations,
-                       wider_format_name(repair.wider),
+    return fmt::format("{} of its {} operations in {}{}", proposal.wider_operations->size(),
+                       repair.rounding_operation_count, wider_format_name(repair.wider),
                        proposal.is_symmetric_set ? ", the same ones for x, y and z" : "");
 }
 
@@ -442,16 +444,17 @@ std::string repair_text(const RepairSummary& summary) {
     // Wider operations: what they achieve, or what is in the way.
     if (!repair.wider_set)
         text += fmt::format("Even with all of its {} operations in {} it does not meet the requirement: {}.\n{}",
-                            repair.operations, wider_format_name(repair.wider),
+                            repair.rounding_operation_count, wider_format_name(repair.wider),
                             quality_text(repair.all_wider_quality, requirement), obstruction_text(summary));
     else text += repair.wider_set->operations.empty() ? unchanged_is_enough_text(summary) : wider_set_text(summary);
-    if (repair.wider_set && repair.wider_set->operations.empty()) text += probes_text(summary, repair.own_probed);
+    if (repair.wider_set && repair.wider_set->operations.empty())
+        text += probes_text(summary, repair.own_probe_qualities);
 
     // Other forms, and times.
     for (std::size_t k = 0; k < repair.rewriting.forms.size(); ++k) text += rewritten_text(summary, k);
     text += catalogue_text(summary);
     text += prices_text(summary);
-    return text + fmt::format("Tried {} on all {}.\n", text::count_with_noun(repair.tried, "candidate"),
+    return text + fmt::format("Tried {} on all {}.\n", text::count_with_noun(repair.tried_count, "candidate"),
                               text::count_with_noun(summary.request.scene ? summary.request.scene->pixels()
                                                                           : summary.request.rays->sample.rays.size(),
                                                     "ray"));

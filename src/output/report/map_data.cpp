@@ -47,11 +47,11 @@ std::int16_t bound_exponent(const measure::truth::CertifiedNumber& x) {
 
 /// Data that all rows with the same truth share. The first of these rows fills it.
 struct MapData::Group {
-    map::TruthKind kind;
+    map::TruthKey kind;
     Layer decision, primitive, truth, remainder, bound, condition;
 
     Group(const TestedForm& tested_form, std::size_t pixel_count)
-        : kind(map::truth_kind(tested_form)),
+        : kind(map::truth_key(tested_form)),
           decision(1, pixel_count),
           primitive(4, pixel_count),
           truth(8, pixel_count),
@@ -186,7 +186,7 @@ MapData::MapData(const MapStudy& study) : study_(study) {
     const std::size_t pixel_count = study.scene->pixels();
     for (const TestedForm& tested_form : study.tested_forms) {
         const auto known_group = std::ranges::find_if(
-            groups_, [&tested_form](const auto& g) { return g->kind == map::truth_kind(tested_form); });
+            groups_, [&tested_form](const auto& g) { return g->kind == map::truth_key(tested_form); });
         const auto g = static_cast<std::size_t>(known_group - groups_.begin());
         const bool is_first = known_group == groups_.end();
         if (is_first) groups_.push_back(std::make_unique<Group>(tested_form, pixel_count));

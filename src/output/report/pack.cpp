@@ -16,7 +16,7 @@ std::string pack(std::string_view bytes) {
     if (code != Z_OK)
         throw std::runtime_error("zlib could not deflate a part of the report: code " + std::to_string(code));
     packed.resize(size);
-    return file::base64(packed);
+    return file::encode_base64(packed);
 }
 
 }  // namespace lostbits::output::report

@@ -28,7 +28,7 @@ std::string hash_source(const Asset& asset) {
     std::string bytes;
     for (std::size_t i = 0; i + 1 < asset.sha256.size(); i += 2)
         bytes += static_cast<char>(std::stoi(std::string(asset.sha256.substr(i, 2)), nullptr, 16));
-    return fmt::format("'sha256-{}'", file::base64(bytes));
+    return fmt::format("'sha256-{}'", file::encode_base64(bytes));
 }
 
 /// Policy that lets the page fetch nothing, and run only the scripts and styles built into the program.
@@ -39,9 +39,9 @@ std::string content_policy() {
 }
 
 std::string image_html(const Picture& p) {
-    return p.png.empty()
-               ? std::string()
-               : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt), file::base64(p.png));
+    return p.png.empty() ? std::string()
+                         : fmt::format("<img alt=\"{}\" src=\"data:image/png;base64,{}\">\n", html(p.alt),
+                                       file::encode_base64(p.png));
 }
 
 std::string noscript_image_html(const Picture& picture) {

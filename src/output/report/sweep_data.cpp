@@ -149,7 +149,7 @@ std::string onset_text(const Onset& o) {
 std::string draws_text(const std::vector<Onset>& onsets) {
     if (onsets.empty()) return "";
     const Onset& first_onset = onsets.front();
-    return fmt::format(", among {}{}", text::count_with_noun(first_onset.rays, "ray"),
+    return fmt::format(", among {}{}", text::count_with_noun(first_onset.ray_count, "ray"),
                        first_onset.further_first_bad.empty()
                            ? ""
                            : fmt::format(" ({} draws)", 1 + first_onset.further_first_bad.size()));

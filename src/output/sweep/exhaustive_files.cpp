@@ -318,7 +318,7 @@ ExhaustiveWriter::ExhaustiveWriter(const ExhaustiveRequest& request, const std::
       onsets_(folder, "onsets.csv", "One row per form, ray, range of floats and event", onset_table(request)) {}
 
 void ExhaustiveWriter::add_binades(const ExhaustiveState& state) {
-    const auto binades = measure::sweep::binades_of(request_.sweep);
+    const auto binades = measure::sweep::split_into_binades(request_.sweep);
     for (std::size_t form_index = 0; form_index < request_.tested_forms.size(); ++form_index) {
         for (std::size_t ray = 0; ray < request_.sweep.rays.size(); ++ray) {
             for (std::size_t b = 0; b < binades.size(); ++b) {

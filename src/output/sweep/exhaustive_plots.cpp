@@ -53,7 +53,7 @@ struct AxisHalf {
 class DrawnBinades {
 public:
     DrawnBinades(const ExhaustiveRequest& request, const ExhaustiveState& state)
-        : request_(request), state_(state), parts_(measure::sweep::binades_of(request.sweep)) {
+        : request_(request), state_(state), parts_(measure::sweep::split_into_binades(request.sweep)) {
         for (const BinadePart& part : parts_) {
             if (!is_on_axis(part)) {
                 omits_floats_ = true;

@@ -113,8 +113,8 @@ Table<Onset> onset_table(const SweepRequest& request) {
          {"bad_again_hex", axis.unit, "that value, exactly", exact(bad_again)},
 
          // the samples
-         {"rays", "number of rays in each step; with more rays the first failure comes earlier", &R::rays},
-         {"views", views_meaning, &R::views},
+         {"rays", "number of rays in each step; with more rays the first failure comes earlier", &R::ray_count},
+         {"views", views_meaning, &R::view_count},
 
          // the same event for other draws of the rays
          {"draws", "sets of rays tried, one per seed; the columns above are for the file's own seed",

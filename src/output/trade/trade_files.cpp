@@ -248,7 +248,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
                           .time = result.times[k][load].timing,
                           .marker = marker_of(kernel),
                           // A form from outside is always named, because its author looks for it.
-                          .is_named = !map::is_of_catalogue(*kernel.measured.form->info),
+                          .is_named = !map::is_in_catalogue(*kernel.measured.form->info),
                           .is_hollow = !qualities[k].never_wrong()});
     }
     add_kernel_points(spec, points);
@@ -357,7 +357,7 @@ void TradeWriter::finish(const TradeResult& result) {
     const auto sets = measure::trade::trade_sets(request_);
     for (std::size_t s = 0; s < sets.size(); ++s)
         image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
-                           plot::scatter_plot(trade_plot(request_, result, s)));
+                           plot::draw_scatter_plot(trade_plot(request_, result, s)));
 
     file::write_file(folder_ / "trade.txt", trade_text(request_, result));
     table::close_tables(folder_,

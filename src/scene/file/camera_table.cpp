@@ -40,7 +40,7 @@ CameraProjection read_projection(TableReader table, const StoredNumbers& numbers
             table.fail_at("far",
                           "is not beyond near, which leaves nothing between; write a larger number, or leave it "
                           "out for a plane at infinity");
-        if (numbers.stored(*projection.far) == numbers.stored(projection.near))
+        if (numbers.round_as_stored(*projection.far) == numbers.round_as_stored(projection.near))
             table.fail_at("far",
                           "equals near in binary32, to which inputs = \"shared\" rounds, and the matrix is "
                           "singular; write a larger number, or inputs = \"own\"");
@@ -184,7 +184,7 @@ Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator) {
         throw InputError(message_start + " have length one, but camera.normalise is false; leave it out");
 
     scene.camera.rays = &generator;
-    if (scene.inputs == Inputs::own) return scene;
+    if (scene.inputs == InputRounding::own) return scene;
     if (scene.flake || scene.mesh)
         throw InputError(
             message_start +
@@ -200,7 +200,7 @@ Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator) {
     if (auto& far = camera.projection->far) far = rounded(*far);
     for (Primitive<Real>& primitive : scene.listed) primitive = convert_numbers(primitive, rounded);
     if (scene.march) scene.march = convert_numbers(*scene.march, rounded);
-    scene.inputs = Inputs::own;
+    scene.inputs = InputRounding::own;
     return scene;
 }
 

@@ -14,9 +14,9 @@ using toml::TableReader;
 
 namespace {
 
-Real read_positive(TableReader& table, std::string_view key, const char* default_value, Inputs inputs) {
+Real read_positive(TableReader& table, std::string_view key, const char* default_value, InputRounding inputs) {
     const Real x = table.optional_number(key).value_or(Real(default_value));
-    const double stored = toml::round_to_format(x, inputs == Inputs::shared ? binary32 : binary64);
+    const double stored = toml::round_to_format(x, inputs == InputRounding::shared ? binary32 : binary64);
     if (!(x > 0) || stored == 0)
         table.fail_at(key, "must be greater than 0 when it is stored; write a positive number, such as " +
                                std::string(default_value));
@@ -38,13 +38,13 @@ int read_count(TableReader& table, std::string_view key, int lowest, int highest
 
 }  // namespace
 
-MarchConstants<Real> read_march(TableReader table, Inputs inputs) {
+MarchConstants<Real> read_march(TableReader table, InputRounding inputs) {
     MarchConstants<Real> constants{
         read_positive(table, "hit_eps", "0.001", inputs), read_positive(table, "max_dist", "20", inputs),
         read_positive(table, "relative_eps", "0.001", inputs), read_positive(table, "cone", "0.001", inputs),
         read_positive(table, "over_relaxation", "1.4", inputs)};
     if (constants.over_relaxation < 1 ||
-        toml::round_to_format(constants.over_relaxation, inputs == Inputs::shared ? binary32 : binary64) >= 2)
+        toml::round_to_format(constants.over_relaxation, inputs == InputRounding::shared ? binary32 : binary64) >= 2)
         table.fail_at(
             "over_relaxation",
             "must lie in [1, 2): below 1 steps get shorter, and at 2 or more a step is longer than its sphere "
@@ -67,7 +67,7 @@ MarchConstants<double> round_march(const MarchConstants<double>& constants, cons
 std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& f) {
     std::vector<std::string> lost;
     if (!scene.march) return lost;
-    const bool is_shared = scene.inputs == Inputs::shared;
+    const bool is_shared = scene.inputs == InputRounding::shared;
     std::size_t i = 0;
     convert_numbers(*scene.march, [&](const Real& ideal) {
         const double stored = toml::round_to_format(ideal, is_shared ? binary32 : binary64),

@@ -14,7 +14,7 @@ namespace lostbits::scene::file {
 
 /// Reads `[march]`. A missing hit_eps, max_steps or max_dist has the value of SDF Sphere Marching (lesson P0-C1).
 /// Throws InputError with a position for anything out of range, also in binary32 if inputs are shared.
-intersect::MarchConstants<Real> read_march(toml::TableReader table, Inputs inputs);
+intersect::MarchConstants<Real> read_march(toml::TableReader table, InputRounding inputs);
 
 /// Rounds each constant once to F.
 intersect::MarchConstants<double> round_march(const intersect::MarchConstants<Real>& ideal, const FloatFormat& f);

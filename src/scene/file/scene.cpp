@@ -21,12 +21,14 @@ constexpr std::string_view schema = "lostbits-scene/1";
 constexpr long long max_pixels_a_side = 65536;
 constexpr long long max_pixels = 1LL << 30;
 
-constexpr std::pair<std::string_view, Inputs> inputs_names[] = {{"shared", Inputs::shared}, {"own", Inputs::own}};
+constexpr std::pair<std::string_view, InputRounding> inputs_names[] = {{"shared", InputRounding::shared},
+                                                                       {"own", InputRounding::own}};
 
 /// Fails if the primitive breaks a limit of its shape once its numbers are rounded as they are stored.
 void require_limits_when_rounded(const Primitive<Real>& primitive, const TableReader& table,
                                  const StoredNumbers& numbers) {
-    const auto rounded = broken_limit(convert_numbers(primitive, [&](const Real& x) { return numbers.stored(x); }));
+    const auto rounded =
+        broken_limit(convert_numbers(primitive, [&](const Real& x) { return numbers.round_as_stored(x); }));
     if (!rounded) return;
     const bool equals_previous = rounded->key->limit == Key::Limit::differs_from_previous ||
                                  rounded->key->limit == Key::Limit::non_negative_below_previous ||
@@ -72,8 +74,8 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
 
 /// Reads `[rays]`: tmin (default 0), tmax (default: no end) and open_ends, in lengths of the camera's directions. A
 /// range that holds no t is an error, also once rounded to binary32 if inputs are shared.
-Range<double> read_rays(TableReader table, Inputs inputs, const StoredNumbers& numbers) {
-    const FloatFormat& stored = inputs == Inputs::shared ? binary32 : binary64;
+Range<double> read_rays(TableReader table, InputRounding inputs, const StoredNumbers& numbers) {
+    const FloatFormat& stored = inputs == InputRounding::shared ? binary32 : binary64;
     Range<double> range;
     const auto number = [&](std::string_view key, double default_t) {
         const auto x = table.optional_number(key);
@@ -214,12 +216,12 @@ void read_scene_head(TableReader& file, Scene& scene) {
 /// Reads the `[[mesh]]` tables and joins them into one mesh. A transform applies to all triangles.
 void read_meshes(TableReader& file, const StoredNumbers& numbers, const intersect::process::StopToken& stop,
                  Scene& scene) {
-    const triangle::MeshSettings terms{stop, scene.inputs == Inputs::shared ? binary32 : binary64};
+    const triangle::MeshSettings settings{stop, scene.inputs == InputRounding::shared ? binary32 : binary64};
     std::vector<triangle::Mesh> meshes;
     for (TableReader& table : file.tables("mesh")) {
         if (const auto transform = read_transform(table, numbers))
             scene.mesh_transform = convert_numbers(*transform, [](const Real& x) { return x.convert_to<double>(); });
-        meshes.push_back(triangle::read_mesh_table(table, scene.path.parent_path(), terms));
+        meshes.push_back(triangle::read_mesh_table(table, scene.path.parent_path(), settings));
         if (scene.mesh_transform && meshes.size() > 1)
             table.fail_at(
                 "transform",
@@ -261,7 +263,7 @@ Scene SceneFile::interpret(const SceneVariant* variant, const LoadOptions& optio
 
     if (scene.shapes().empty())
         toml::fail(file.where(), "the scene has no primitives; write at least one " + primitive_tables_text());
-    if (scene.camera.rays && scene.inputs == Inputs::shared && (scene.flake || scene.mesh))
+    if (scene.camera.rays && scene.inputs == InputRounding::shared && (scene.flake || scene.mesh))
         camera.fail_at("rays",
                        "makes rays in each format, which must also round meshes and flakes; write inputs = "
                        "\"own\"");
@@ -286,7 +288,7 @@ std::vector<Primitive<Real>> Scene::primitives() const {
 
 std::vector<std::string> Scene::remarks() const {
     if (!mesh) return {};
-    return triangle::mesh_remarks(*mesh, inputs == Inputs::shared ? std::optional(binary32) : std::nullopt);
+    return triangle::mesh_remarks(*mesh, inputs == InputRounding::shared ? std::optional(binary32) : std::nullopt);
 }
 
 std::vector<Shape> Scene::shapes() const {
@@ -315,7 +317,7 @@ std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptio
     return SceneFile(path, options.stop).load(options);
 }
 
-std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data_dir) {
+std::vector<std::filesystem::path> list_scene_files(const std::filesystem::path& data_dir) {
     const std::filesystem::path folder = toml::folder_of_data(data_dir, "scenes");
     std::error_code error;
     std::vector<std::filesystem::path> files;
@@ -329,7 +331,7 @@ std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data
 namespace {
 
 /// Returns `mine.toml` for the file `mine.toml` and for its variant `mine.toml.close`; empty for any other name.
-std::filesystem::path file_of_name(const std::filesystem::path& name) {
+std::filesystem::path scene_path_without_variant(const std::filesystem::path& name) {
     if (name.extension() == ".toml") return name;
     const std::filesystem::path without_variant = name.parent_path() / name.stem();
     return without_variant.extension() == ".toml" ? without_variant : std::filesystem::path();
@@ -340,8 +342,10 @@ std::filesystem::path file_of_name(const std::filesystem::path& name) {
 std::string resolve_beside(const std::filesystem::path& referring_file, const std::string& name) {
     const std::filesystem::path relative(name), neighbour = referring_file.parent_path() / relative;
     std::error_code ignored;
-    const bool is_file = relative.is_relative() && !file_of_name(relative).empty();
-    return is_file && std::filesystem::is_regular_file(file_of_name(neighbour), ignored) ? neighbour.string() : name;
+    const bool has_toml_extension = relative.is_relative() && !scene_path_without_variant(relative).empty();
+    return has_toml_extension && std::filesystem::is_regular_file(scene_path_without_variant(neighbour), ignored)
+               ? neighbour.string()
+               : name;
 }
 
 SceneName find_scene(const std::string& name_or_path, const std::filesystem::path& data_dir) {
@@ -355,8 +359,9 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     };
 
     // A path to a file, perhaps with a variant behind it.
-    if (const auto file = file_of_name(as_path); !std::filesystem::exists(as_path, ignored) && file != as_path &&
-                                                 std::filesystem::is_regular_file(file, ignored))
+    if (const auto file = scene_path_without_variant(as_path); !std::filesystem::exists(as_path, ignored) &&
+                                                               file != as_path &&
+                                                               std::filesystem::is_regular_file(file, ignored))
         return {file, as_path.extension().string().substr(1)};
     if (as_path.has_parent_path()) {
         fail_if_misspelt();
@@ -369,11 +374,11 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
     const std::string name = as_path.extension() == ".toml" ? toml::result_name(as_path) : name_or_path;
     const std::size_t dot = std::min(name.rfind('.'), name.size());
     const std::string stem = name.substr(0, dot);
-    const bool is_file = as_path.extension() == ".toml";
-    if (is_file && !std::filesystem::is_directory(data_dir / "scenes", ignored))
+    const bool has_toml_extension = as_path.extension() == ".toml";
+    if (has_toml_extension && !std::filesystem::is_directory(data_dir / "scenes", ignored))
         throw InputError(no_file + "; check the path");
 
-    const std::vector<std::filesystem::path> files = scene_files(data_dir);
+    const std::vector<std::filesystem::path> files = list_scene_files(data_dir);
     std::vector<std::string> ids;
     for (const std::filesystem::path& file : files) ids.push_back(toml::result_name(file));
     for (std::size_t i = 0; i < files.size(); ++i)
@@ -383,10 +388,10 @@ SceneName find_scene(const std::string& name_or_path, const std::filesystem::pat
 
     // Nothing has that name: says what may be meant.
     fail_if_misspelt();
-    if (!is_file && std::filesystem::is_regular_file(as_path, ignored))
+    if (!has_toml_extension && std::filesystem::is_regular_file(as_path, ignored))
         throw InputError(name_or_path + ": is not a scene: a scene is a .toml file");
     const std::string hint = text::did_you_mean(stem, ids);
-    if (is_file)
+    if (has_toml_extension)
         throw InputError(no_file + ", and no scene \"" + name + "\" in " + (data_dir / "scenes").string() +
                          (hint.empty() ? "" : "; " + hint));
     throw InputError("no scene \"" + name_or_path + "\" in " + (data_dir / "scenes").string() +

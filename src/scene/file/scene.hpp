@@ -24,7 +24,7 @@ namespace lostbits::scene::file {
 /// How the numbers of the scene are rounded. `shared`: they are rounded once to binary32 and every format gets the same
 /// numbers, so differences come from arithmetic alone. `own`: each format rounds the ideal numbers itself, so input
 /// error appears too.
-enum class Inputs { shared, own };
+enum class InputRounding { shared, own };
 
 /// The near and far planes from which the rays of a pinhole are unprojected. Clip space needs these planes; directions
 /// do not.
@@ -64,7 +64,7 @@ struct Scene {
     std::string title;
     std::string source = "-";  ///< what the scene reproduces
     std::string note;          ///< what to look for
-    Inputs inputs = Inputs::shared;
+    InputRounding inputs = InputRounding::shared;
     int width = 256;  ///< pixels
     int height = 256;
     Camera camera;
@@ -142,7 +142,7 @@ private:
 std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// Returns all `data_dir/scenes/*.toml`, sorted by name. Throws InputError if the folder is missing.
-std::vector<std::filesystem::path> scene_files(const std::filesystem::path& data_dir);
+std::vector<std::filesystem::path> list_scene_files(const std::filesystem::path& data_dir);
 
 struct SceneName {
     std::filesystem::path path;

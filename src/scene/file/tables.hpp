@@ -18,7 +18,7 @@ namespace lostbits::scene::file {
 /// position of `key`.
 class StoredNumbers {
 public:
-    explicit StoredNumbers(Inputs inputs) : are_inputs_shared_(inputs == Inputs::shared) {}
+    explicit StoredNumbers(InputRounding inputs) : are_inputs_shared_(inputs == InputRounding::shared) {}
 
     static constexpr std::string_view overflow_words =
         "overflows binary32, to which inputs = \"shared\" rounds; write at most 3.4e38, or inputs = \"own\"";
@@ -36,7 +36,7 @@ public:
         return {finite(table, key, v.x), finite(table, key, v.y), finite(table, key, v.z)};
     }
 
-    [[nodiscard]] Real stored(const Real& x) const {
+    [[nodiscard]] Real round_as_stored(const Real& x) const {
         return are_inputs_shared_ ? Real(toml::round_to_format(x, binary32)) : x;
     }
 

@@ -180,7 +180,7 @@ std::optional<Transform<Real>> read_transform(TableReader& primitive, const Stor
 
     // Rounding may also make a matrix singular.
     const auto stored_transform = [&](const Map& map) {
-        return convert_numbers(transform(map), [&](const Real& x) { return numbers.stored(x); });
+        return convert_numbers(transform(map), [&](const Real& x) { return numbers.round_as_stored(x); });
     };
     steps.fail_if(
         [&](const Map& map) { return !is_singular(map) && orientation_of(stored_transform(map).matrix) == 0; },

@@ -98,7 +98,7 @@ BasicRayBlock<Real> GeneratedRays::ideal(int y0, int y1) const {
     return block;
 }
 
-const CameraNumbers<double>& GeneratedRays::stored(const FloatFormat& format) const {
+const CameraNumbers<double>& GeneratedRays::stored_numbers(const FloatFormat& format) const {
     const std::lock_guard lock(stored_mutex_);
     for (const auto& [stored_format, numbers] : stored_)
         if (stored_format == format) return numbers;
@@ -108,7 +108,7 @@ const CameraNumbers<double>& GeneratedRays::stored(const FloatFormat& format) co
 
 template <class T>
 RayBlock GeneratedRays::generate(camera::MakeRays<T> make_rays, const FloatFormat& format, int y0, int y1) const {
-    const CameraNumbers<T> numbers = stored(format).each([](double x) { return T(x); });
+    const CameraNumbers<T> numbers = stored_numbers(format).each([](double x) { return T(x); });
     RayBlock block;
     block.width = numbers_.width;
     block.y0 = y0;
@@ -141,7 +141,7 @@ std::vector<bool> find_used_nodes(const Tape& tape, const std::array<NodeId, 6>&
 
 RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates pixel) const {
     Tape tape;
-    const auto ray = generator_->record(format, stored(format.parameters), pixel, tape);
+    const auto ray = generator_->record(format, stored_numbers(format.parameters), pixel, tape);
 
     static const std::vector<std::string> names = [] {
         auto all = camera::camera_number_names();

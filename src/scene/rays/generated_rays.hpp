@@ -43,7 +43,7 @@ public:
 
 private:
     /// Returns the camera's numbers, each rounded once to the format.
-    [[nodiscard]] const camera::CameraNumbers<double>& stored(const FloatFormat& format) const;
+    [[nodiscard]] const camera::CameraNumbers<double>& stored_numbers(const FloatFormat& format) const;
     template <class T>
     RayBlock generate(camera::MakeRays<T> make_rays, const FloatFormat& format, int y0, int y1) const;
 

@@ -23,7 +23,7 @@ namespace lostbits::scene::rays {
 /// inputs are shared, since these are numbers of binary32, and 32 bytes if each format rounds its own inputs.
 class SphereColumns {
 public:
-    SphereColumns(const sphere::Sphereflake& flake, file::Inputs inputs);
+    SphereColumns(const sphere::Sphereflake& flake, file::InputRounding inputs);
 
     [[nodiscard]] std::size_t size() const {
         return std::visit([](const auto& columns) { return columns[0].size(); }, columns_);
@@ -39,7 +39,7 @@ public:
     }
     /// The columns as they are stored; null if they are stored in the other type.
     template <class T>
-    [[nodiscard]] const std::array<std::vector<T>, 4>* stored() const {
+    [[nodiscard]] const std::array<std::vector<T>, 4>* stored_columns() const {
         return std::get_if<std::array<std::vector<T>, 4>>(&columns_);
     }
 
@@ -49,10 +49,10 @@ private:
 
 /// The triangles of a scene's meshes. The vertices and the matrix are numbers of binary32 if inputs are shared, else
 /// unrounded.
-class MeshColumns {
+class StoredMesh {
 public:
-    MeshColumns(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Transform<double>> transform,
-                file::Inputs inputs);
+    StoredMesh(std::shared_ptr<const triangle::Mesh> mesh, std::optional<Transform<double>> transform,
+               file::InputRounding inputs);
 
     [[nodiscard]] std::size_t size() const { return mesh_->faces.size(); }
     [[nodiscard]] Primitive<double> operator[](std::size_t i) const {
@@ -80,8 +80,8 @@ public:
     /// The flake and the meshes of a scene; null if it has none. `inputs` applies to both.
     struct FlakeAndMesh {
         std::shared_ptr<const SphereColumns> flake;
-        std::shared_ptr<const MeshColumns> mesh;
-        file::Inputs inputs = file::Inputs::shared;
+        std::shared_ptr<const StoredMesh> mesh;
+        file::InputRounding inputs = file::InputRounding::shared;
     };
     /// If `format` is absent, the numbers of the flake and the meshes are not rounded.
     PrimitiveList(std::vector<Primitive<S>> listed, FlakeAndMesh flake_and_mesh,
@@ -89,30 +89,30 @@ public:
         : listed_(std::move(listed)), flake_and_mesh_(std::move(flake_and_mesh)), format_(format) {}
 
     [[nodiscard]] std::size_t size() const {
-        return first_of_mesh() + (flake_and_mesh_.mesh ? flake_and_mesh_.mesh->size() : 0);
+        return first_triangle_index() + (flake_and_mesh_.mesh ? flake_and_mesh_.mesh->size() : 0);
     }
     [[nodiscard]] Primitive<S> operator[](std::size_t i) const {
         if (i < listed_.size()) return listed_[i];
-        const std::size_t triangles = first_of_mesh();
-        return convert_numbers(
-            i < triangles ? (*flake_and_mesh_.flake)[i - listed_.size()] : (*flake_and_mesh_.mesh)[i - triangles],
-            [this](double x) { return S(rounded(x)); });
+        const std::size_t first_triangle = first_triangle_index();
+        return convert_numbers(i < first_triangle ? (*flake_and_mesh_.flake)[i - listed_.size()]
+                                                  : (*flake_and_mesh_.mesh)[i - first_triangle],
+                               [this](double x) { return S(round_if_needed(x)); });
     }
     /// Loads primitives that will soon be needed into the cache. In a large mesh this is several times as fast as
     /// waiting for each primitive.
     void prefetch(std::span<const std::uint32_t> primitives) const {
-        if (flake_and_mesh_.mesh) flake_and_mesh_.mesh->prefetch(primitives, first_of_mesh());
+        if (flake_and_mesh_.mesh) flake_and_mesh_.mesh->prefetch(primitives, first_triangle_index());
     }
     [[nodiscard]] const FlakeAndMesh& flake_and_mesh() const { return flake_and_mesh_; }
     /// The triangles of meshes; null if the scene has no mesh.
-    [[nodiscard]] const MeshColumns* mesh() const { return flake_and_mesh_.mesh.get(); }
+    [[nodiscard]] const StoredMesh* mesh() const { return flake_and_mesh_.mesh.get(); }
     /// Index of the first triangle.
-    [[nodiscard]] std::size_t first_of_mesh() const {
+    [[nodiscard]] std::size_t first_triangle_index() const {
         return listed_.size() + (flake_and_mesh_.flake ? flake_and_mesh_.flake->size() : 0);
     }
     [[nodiscard]] bool all_listed() const { return size() == listed_.size(); }
     /// The primitives without flake and meshes.
-    [[nodiscard]] std::span<const Primitive<S>> listed() const { return listed_; }
+    [[nodiscard]] std::span<const Primitive<S>> listed_primitives() const { return listed_; }
     [[nodiscard]] const std::shared_ptr<const SphereColumns>& flake() const { return flake_and_mesh_.flake; }
     /// All primitives one by one, including the flake and the meshes.
     [[nodiscard]] std::vector<Primitive<S>> all() const {
@@ -129,7 +129,7 @@ public:
                                                             std::array<std::vector<T>, 4>& columns_of_spheres) const {
         std::array<std::span<const T>, 4> view;
         if (const auto* stored =
-                flake_and_mesh_.flake && !format_ ? flake_and_mesh_.flake->template stored<T>() : nullptr;
+                flake_and_mesh_.flake && !format_ ? flake_and_mesh_.flake->template stored_columns<T>() : nullptr;
             stored && begin >= listed_.size()) {
             for (std::size_t k = 0; k < 4; ++k)
                 view[k] = std::span((*stored)[k]).subspan(begin - listed_.size(), count);
@@ -145,21 +145,23 @@ public:
     }
 
 private:
-    [[nodiscard]] double rounded(double x) const { return format_ ? rounding::to_format(x, 0, *format_) : x; }
+    [[nodiscard]] double round_if_needed(double x) const { return format_ ? rounding::to_format(x, 0, *format_) : x; }
 
     std::vector<Primitive<S>> listed_;
     FlakeAndMesh flake_and_mesh_;
     std::optional<FloatFormat> format_;
 };
 
-/// The primitives of `shared_primitives`, with flake and meshes as columns; then the parts of this list: the listed
-/// primitives, and the meshes.
-PrimitiveList<double> shared_primitive_list(const file::Scene& scene);
-std::vector<Primitive<double>> shared_listed(const file::Scene& scene);
-std::shared_ptr<const MeshColumns> shared_mesh(const file::Scene& scene);
+/// The primitives of `shared_primitives`, with flake and meshes as columns.
+PrimitiveList<double> make_shared_primitive_list(const file::Scene& scene);
+/// The listed primitives of a scene with shared inputs, rounded to binary32.
+std::vector<Primitive<double>> round_listed_primitives(const file::Scene& scene);
+/// The meshes of a scene with shared inputs, rounded to binary32; null if the scene has none.
+std::shared_ptr<const StoredMesh> shared_mesh(const file::Scene& scene);
+/// The primitives of a group. Their numbers are those of the group.
 PrimitiveList<double> primitive_list_of(const RayGroup& group);
 /// The ideal primitives of a scene with own inputs, with flake and meshes as columns.
-PrimitiveList<Real> ideal_primitive_list(const file::Scene& scene);
+PrimitiveList<Real> make_ideal_primitive_list(const file::Scene& scene);
 
 /// Rounds every number once to F.
 PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& f);

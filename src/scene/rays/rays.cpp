@@ -137,11 +137,11 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
 }
 
 std::vector<Primitive<double>> shared_primitives(const Scene& scene) {
-    return round_primitives(shared_primitive_list(scene), binary32).all();
+    return round_primitives(make_shared_primitive_list(scene), binary32).all();
 }
 
 std::vector<Primitive<double>> stored_primitives(const Scene& scene, const FloatFormat& f) {
-    if (scene.inputs == file::Inputs::shared) return shared_primitives(scene);
+    if (scene.inputs == file::InputRounding::shared) return shared_primitives(scene);
     std::vector<Primitive<double>> stored;
     for (const Primitive<Real>& primitive : scene.primitives()) stored.push_back(round_primitive(primitive, f));
     return stored;
@@ -156,7 +156,7 @@ Primitive<double> round_primitive(const Primitive<double>& primitive, const Floa
 }
 
 RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {
-    if (scene.inputs == file::Inputs::own) return round_rays(make_own_rays(scene, y0, y1), f);
+    if (scene.inputs == file::InputRounding::own) return round_rays(make_own_rays(scene, y0, y1), f);
     return round_block(make_shared_rays(scene, y0, y1), f);
 }
 

@@ -67,14 +67,14 @@ struct IdealRayBlock : BasicRayBlock<Real> {
     std::shared_ptr<const GeneratedRays> made = {};
 };
 
-class MeshColumns;
+class StoredMesh;
 /// A set of rays with the primitives at which they are aimed: the input of a step of a sweep.
 struct RayGroup {
     RayBlock rays;
     std::vector<Primitive<double>> primitives;
     std::optional<intersect::MarchConstants<double>> march = {};  ///< absent: forms that march cannot be used
     bool is_paired = false;  ///< there are as many primitives as rays, and ray i is aimed only at primitive i
-    std::shared_ptr<const MeshColumns> mesh = {};  ///< the meshes whose triangles come after the primitives
+    std::shared_ptr<const StoredMesh> mesh = {};  ///< the meshes whose triangles come after the primitives
     /// The scene, for pixels of a scene whose camera has a projection, so that rays can be made in each format.
     std::shared_ptr<const file::Scene> scene = {};
 };

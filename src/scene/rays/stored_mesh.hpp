@@ -10,15 +10,15 @@
 namespace lostbits::scene::rays {
 
 /// The triangles of meshes, which are the last of `stored_primitives`; null if the scene has no mesh.
-inline std::shared_ptr<const MeshColumns> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
-    if (!scene.mesh || scene.inputs == file::Inputs::shared) return shared_mesh(scene);
+inline std::shared_ptr<const StoredMesh> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
+    if (!scene.mesh || scene.inputs == file::InputRounding::shared) return shared_mesh(scene);
     const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };
     const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
     for (Vec<double>& v : mesh->vertices)
         for (int k = 0; k < 3; ++k) v[k] = stored(v[k]);
     auto transform = scene.mesh_transform;
     if (transform) transform = convert_numbers(*transform, stored);
-    return std::make_shared<const MeshColumns>(mesh, transform, file::Inputs::own);
+    return std::make_shared<const StoredMesh>(mesh, transform, file::InputRounding::own);
 }
 
 /// The primitives of `stored_primitives` that are not triangles of meshes.
@@ -31,14 +31,14 @@ inline std::vector<Primitive<double>> stored_beside_mesh(const file::Scene& scen
 /// The primitives and at most two triangles of the mesh. They stand for all primitives where only two facts matter:
 /// which shapes there are, and whether there is more than one primitive.
 inline std::vector<Primitive<double>> representatives_of(std::vector<Primitive<double>> primitives,
-                                                         const MeshColumns* mesh) {
+                                                         const StoredMesh* mesh) {
     for (std::size_t i = 0; mesh != nullptr && i < std::min<std::size_t>(mesh->size(), 2); ++i)
         primitives.push_back((*mesh)[i]);
     return primitives;
 }
 
 /// True if binary32 represents every number of the triangles.
-inline bool fits_binary32(const MeshColumns& triangles) {
+inline bool fits_binary32(const StoredMesh& triangles) {
     bool fits = true;
     const auto check_number = [&fits](double x) {
         fits &= static_cast<double>(static_cast<float>(x)) == x;

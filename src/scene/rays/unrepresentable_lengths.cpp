@@ -99,7 +99,7 @@ std::vector<std::string> UnrepresentableLengths::lines() const {
 
 std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const FloatFormat& f) {
     // A format that has all numbers of binary32 loses none of them.
-    const bool is_shared = scene.inputs == file::Inputs::shared;
+    const bool is_shared = scene.inputs == file::InputRounding::shared;
     if (is_shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
 
     const FloatFormat& stored = is_shared ? binary32 : binary64;
@@ -119,8 +119,9 @@ std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const
             count_by_shape[static_cast<std::size_t>(primitive.shape)]++);
     std::size_t i = 0;
     if (scene.flake)
-        sphere::for_each_primitive(
-            *scene.flake, [&](const Primitive<double>& s) { add(round_primitive(s, stored), "sphereflake", i++); });
+        sphere::for_each_primitive(*scene.flake, [&](const Primitive<double>& primitive) {
+            add(round_primitive(primitive, stored), "sphereflake", i++);
+        });
     i = 0;
     if (scene.mesh)
         for (std::size_t k = 0; k < scene.mesh->faces.size(); ++k)

@@ -43,7 +43,7 @@ public:
     std::vector<NamedRay> rays;
     Primitive<float> primitive;  ///< any triangle, in a sweep across a mesh
     /// The triangles of the scene, whose numbers are fixed; null if there is one primitive.
-    std::shared_ptr<const rays::MeshColumns> mesh;
+    std::shared_ptr<const rays::StoredMesh> mesh;
     std::optional<file::Scene> scene;
 
     /// The ranges to try, in order: from `from` to `to`, or from each zero outwards over all floats of its sign.

@@ -255,7 +255,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
     }
 
     if (scene) file.reject("march", "belongs in the scene file if the sweep is over a scene; write it there");
-    else if (auto march = file.optional_table("march")) file::read_march(*march, file::Inputs::shared);
+    else if (auto march = file.optional_table("march")) file::read_march(*march, file::InputRounding::shared);
 
     const std::string prefix = scene ? "" : std::string(distribution->table) + '.';
     for (TableReader& axis : file.tables("axis")) axes.push_back(read_axis(axis, prefix));
@@ -303,7 +303,7 @@ std::vector<RayGroup> SweepFile::rays_of_distribution(const std::vector<toml::Ov
     std::vector<RayGroup> groups = distribution->read(file.table(distribution->table))(seed_offset_);
 
     if (auto march = file.optional_table("march")) {
-        const auto constants = file::round_march(file::read_march(*march, file::Inputs::shared), binary32);
+        const auto constants = file::round_march(file::read_march(*march, file::InputRounding::shared), binary32);
         for (RayGroup& group : groups) group.march = constants;
     }
     return groups;
@@ -322,7 +322,7 @@ std::vector<RayGroup> SweepFile::rays_of_scene(const std::vector<toml::Override>
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
     // A form that marches needs its primitives one by one, and spheres beside triangles have no tree.
     if (!scene.flake && !scene.march) group.mesh = rays::shared_mesh(scene);
-    group.primitives = group.mesh ? rays::shared_listed(scene) : rays::shared_primitives(scene);
+    group.primitives = group.mesh ? rays::round_listed_primitives(scene) : rays::shared_primitives(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
     if (scene.camera.projection) group.scene = std::make_shared<const file::Scene>(scene);
     return {std::move(group)};

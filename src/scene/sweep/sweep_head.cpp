@@ -72,7 +72,7 @@ file::Scene read_mesh_scene(toml::TableReader& table, const std::filesystem::pat
     if (!scene.mesh || scene.primitive_count() != scene.mesh->faces.size())
         table.fail_at("scene", "has no mesh, or has other primitives too; name a scene that has only meshes");
     if (scene.mesh_transform) table.fail_at("scene", "has a mesh with a transform; name a scene whose mesh has none");
-    if (scene.inputs != file::Inputs::shared)
+    if (scene.inputs != file::InputRounding::shared)
         table.fail_at("scene", "has inputs = \"own\"; name a scene whose vertices are the same in every format");
     return scene;
 }

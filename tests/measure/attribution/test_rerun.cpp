@@ -59,7 +59,7 @@ TEST_CASE("the counterfactuals of every operation agree with whole reruns", "[at
         for (NodeId i = tapes++ % apart; i < tape.size(); i += apart) {
             const OperationKind kind = kind_of(tape[i].op);
             if (kind == OperationKind::sign || kind == OperationKind::choice || is_decision(tape[i].op)) continue;
-            const auto found = measure::attribution::counterfactuals(tape, i);
+            const auto found = measure::attribution::run_counterfactuals(tape, i);
             const Rerun mended(tape, [i](NodeId k) { return k != i; }), alone(tape, [i](NodeId k) { return k == i; });
             REQUIRE(found.only_exact.hit == (mended[hit] != 0));
             REQUIRE(found.only_rounded.hit == (alone[hit] != 0));
@@ -83,7 +83,7 @@ TEST_CASE("a choice changed by rounding is corrected by the side that exact valu
     tape.outputs = {no_node, t, t, t};
     REQUIRE(measure::attribution::attribute(tape, t).culprit == t);
     for (const NodeId operation : {t, sum}) {
-        const auto found = measure::attribution::counterfactuals(tape, operation);
+        const auto found = measure::attribution::run_counterfactuals(tape, operation);
         CHECK(found.only_exact.error == 0);
         CHECK(found.only_rounded.error == -3);
     }
@@ -98,8 +98,8 @@ TEST_CASE("each counterfactual of a sum of two roundings leaves the other roundi
     const NodeId b = tape.add(TapeOp::add, binary32, 1 + 0x1p-22, {one, less});
     const NodeId t = tape.add(TapeOp::add, binary32, 2 + 0x1p-22, {a, b});
     tape.outputs = {no_node, t, t, t};
-    const auto of_a = measure::attribution::counterfactuals(tape, a),
-               of_b = measure::attribution::counterfactuals(tape, b);
+    const auto of_a = measure::attribution::run_counterfactuals(tape, a),
+               of_b = measure::attribution::run_counterfactuals(tape, b);
     CHECK(of_a.only_rounded.error == -0x1p-24);
     CHECK(of_b.only_rounded.error == 0x1p-24);
     CHECK(of_a.only_exact.error == of_b.only_rounded.error - 0x1p-24);  // and the last sum rounds to even

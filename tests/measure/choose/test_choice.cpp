@@ -60,8 +60,8 @@ TEST_CASE("every row is timed on rays of the scene and has the accuracy that a m
     TimedRays timed;
     const auto all = measure_candidates(request, timed);
     REQUIRE(all.size() == 2);
-    CHECK(timed.primitives == 1);
-    CHECK(timed.rays > 1000);
+    CHECK(timed.primitive_count == 1);
+    CHECK(timed.ray_count > 1000);
     for (const Candidate& c : all) CHECK(c.time.median > 0);
     const auto* const lost = measure::metric::find_metric("lost_bits");
     const auto summaries =
@@ -143,7 +143,7 @@ TEST_CASE("a scene stretched by 1 is unchanged, and by more shows the same pictu
 TEST_CASE("a mesh, with a matrix or without, moves with everything else, and does not grow triangle by triangle") {
     for (const char* const name : {"mesh-icosphere-near", "instance-mesh"}) {
         Scene scene = test::load(name, 24, 24);
-        scene.inputs = scene::file::Inputs::own;  // so that the farther scene is not rounded to another one
+        scene.inputs = scene::file::InputRounding::own;  // so that the farther scene is not rounded to another one
         const auto there = stretch(scene, Growth::offset, 3);
         REQUIRE(there);
         const measure::truth::Band before(scene, 0, scene.height), after(there->scene, 0, scene.height);
@@ -207,7 +207,7 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     CHECK(offset->value > 1e5);
     CHECK(offset->value < 1e8);
     Scene own = scene;
-    own.inputs = scene::file::Inputs::own;
+    own.inputs = scene::file::InputRounding::own;
     ChoiceRequest of_own = request;
     of_own.scene = &own;
     const auto own_rooms = find_margins(of_own, asked, 24 * 24);

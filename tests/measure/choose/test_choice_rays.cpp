@@ -65,7 +65,7 @@ void require_same(const FormQuality& a, const FormQuality& b) {
 Scene one_ray(const char* z, const char* c, const char* r) {
     Scene scene;
     scene.id = "one";
-    scene.inputs = scene::file::Inputs::own;
+    scene.inputs = scene::file::InputRounding::own;
     scene.width = scene.height = 1;
     scene.camera.kind = scene::file::Camera::Kind::pinhole;
     scene.camera.eye = {Real(0), Real(0), Real(z)};
@@ -109,8 +109,8 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     TimedRays timed;
     const auto all = measure_candidates(request, timed);
     REQUIRE(all.size() == 2);
-    CHECK(timed.rays == rays.size());
-    CHECK(timed.primitives == 3);  // one of the four is seen by no ray
+    CHECK(timed.ray_count == rays.size());
+    CHECK(timed.primitive_count == 3);  // one of the four is seen by no ray
     for (const Candidate& c : all) CHECK(c.time.median > 0);
 }
 
@@ -312,7 +312,7 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     const measure::offset::OffsetStudy request{.scene = scene,
                                                .tested_forms = {{row}},
                                                .strategies = measure::offset::all_strategies(),
-                                               .finds_quiet_offset = false};
+                                               .search_quiet_offset = false};
     const auto all =
         measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
     REQUIRE(safe->both_sides.size() == all.size());

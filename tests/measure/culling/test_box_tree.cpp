@@ -248,7 +248,7 @@ namespace {
 
 /// Closed and open meshes, with edges of three faces and faces given twice, in planes of two axes: some 500 triangles
 /// about the origin, within 1 of it, in units of 2^power of a format.
-std::shared_ptr<const scene::rays::MeshColumns> mesh_of(Draw& draw, int power, const FloatFormat& format) {
+std::shared_ptr<const scene::rays::StoredMesh> mesh_of(Draw& draw, int power, const FloatFormat& format) {
     auto mesh = std::make_shared<scene::triangle::Mesh>();
     const auto scaled = [&](double x) { return rounding::to_format(std::ldexp(x, power), 0, format); };
     constexpr std::uint32_t side = 13;
@@ -268,8 +268,9 @@ std::shared_ptr<const scene::rays::MeshColumns> mesh_of(Draw& draw, int power, c
     add_grid(0, 0), add_grid(0, 1), add_grid(0.5, 2);
     for (std::size_t i = 0; i < 20; ++i) mesh->faces.push_back(mesh->faces[7 * i]);
     scene::triangle::merge_and_count(*mesh, [](std::size_t i) { return std::to_string(i); });
-    const auto inputs = format.precision == binary32.precision ? scene::file::Inputs::shared : scene::file::Inputs::own;
-    return std::make_shared<const scene::rays::MeshColumns>(mesh, std::nullopt, inputs);
+    const auto inputs =
+        format.precision == binary32.precision ? scene::file::InputRounding::shared : scene::file::InputRounding::own;
+    return std::make_shared<const scene::rays::StoredMesh>(mesh, std::nullopt, inputs);
 }
 
 /// A component of a direction of any exponent that the format has.

@@ -110,7 +110,7 @@ TEST_CASE("the certified picture equals plain formulas in 256 bits in every chan
         CHECK(shadows > 300);
         CHECK((among || highlights > 5));
         for (const RenderSummary& summary : run.summaries) {
-            CHECK(summary.unresolved() == 0);
+            CHECK(summary.unresolved_count() == 0);
             CHECK(summary.colour_error.quantile(1) < 1e-9);
             CHECK(summary.flipped_shadows() == 0);
         }
@@ -152,7 +152,7 @@ TEST_CASE("acne is frequent for shadow rays from the surface, rarer from 4 ulps 
 
 TEST_CASE("own inputs: each format rounds light and colours itself, and the reference does not round") {
     scene::file::Scene s = load("raycast-course.pixels", 32, 24);
-    s.inputs = scene::file::Inputs::own;
+    s.inputs = scene::file::InputRounding::own;
     const Collected run(
         {.scene = s, .stages = {Stage::visible}, .tested_forms = rows_of({"f32", "f64"}, "sphere.unified")});
     const TruePixel& corner = run.truth.front();  // background 0.55
@@ -164,16 +164,16 @@ TEST_CASE("own inputs: each format rounds light and colours itself, and the refe
 
     // The background's green, 0.7, is 178.5 of 255 to the 250th bit, and some spheres' 0.9 and 0.3 are 229.5 and 76.5:
     // 106 bits do not prove a byte there, and report this; the sphere of 0.95, 0.8, 0.2 needs no more.
-    CHECK(run.summaries[0].unresolved() == 0);
+    CHECK(run.summaries[0].unresolved_count() == 0);
     const Collected hasty({.scene = s,
                            .stages = {Stage::visible},
                            .tested_forms = rows_of({"f64"}, "sphere.unified"),
                            .limit = {.max_bits = 106}});
     const RenderSummary& r = hasty.summaries[0];
     CHECK(r.count(SeenContent::background) > 100);
-    CHECK(r.unresolved() > r.count(SeenContent::background));
-    CHECK(r.unresolved() < r.pixels);
-    CHECK(r.colour_error.count() == r.pixels - r.unresolved());
+    CHECK(r.unresolved_count() > r.count(SeenContent::background));
+    CHECK(r.unresolved_count() < r.pixels);
+    CHECK(r.colour_error.count() == r.pixels - r.unresolved_count());
     CHECK_FALSE(hasty.truth.front().colours[0].is_certain);
 }
 

@@ -40,10 +40,10 @@ struct Search {
     FormQuality with(const std::vector<NodeId>& wider) {
         return measurer.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
     }
-    WiderSet smallest(std::uint64_t affordable) {
+    WiderSet smallest(std::uint64_t max_sets_per_size) {
         const FormQuality quality = with(all);
         REQUIRE(quality.meets(request.requirement));
-        return find_smallest_set(tape, binary64, quality, request, measurer, affordable);
+        return find_smallest_set(tape, binary64, quality, request, measurer, max_sets_per_size);
     }
     const RepairRequest& request;
     QualityMeasurer measurer;
@@ -209,8 +209,8 @@ TEST_CASE("exchanged axes group the operations of forms with transforms, stored 
 }
 
 TEST_CASE("a set that helps one axis is made symmetric in double too, and with inputs of each format", "[mend]") {
-    for (const auto& [format, inputs, bits] :
-         {std::tuple("f32", scene::file::Inputs::own, 20.0), std::tuple("f64", scene::file::Inputs::shared, 49.0)}) {
+    for (const auto& [format, inputs, bits] : {std::tuple("f32", scene::file::InputRounding::own, 20.0),
+                                               std::tuple("f64", scene::file::InputRounding::shared, 49.0)}) {
         CAPTURE(format, bits);
         Scene scene = scene_named("box-slabs", 24);
         scene.inputs = inputs;
@@ -219,9 +219,9 @@ TEST_CASE("a set that helps one axis is made symmetric in double too, and with i
         const RepairResult m = repair_form(request, 1);
         REQUIRE(m.wider_set);
         CHECK(m.wider_set->quality.meets(request.requirement));
-        CHECK(m.set_probed.size() == m.probes.size());
+        CHECK(m.set_probe_qualities.size() == m.probes.size());
         const bool holds = std::ranges::all_of(
-            m.set_probed, [&](const FormQuality& quality) { return quality.meets(request.requirement); });
+            m.set_probe_qualities, [&](const FormQuality& quality) { return quality.meets(request.requirement); });
         CHECK(holds == !m.symmetric);
         if (!m.symmetric) continue;
         CHECK(m.symmetric->operations.size() % 3 == 0);
@@ -238,7 +238,7 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     CHECK(m.wider_set->operations.size() == 3);
     REQUIRE(m.probes.size() == 5);  // a box is not rotated
     const auto meets = [&](const FormQuality& quality) { return quality.meets(request.requirement); };
-    for (std::size_t k = 0; k < 3; ++k) CHECK_FALSE(meets(m.set_probed[k]));
+    for (std::size_t k = 0; k < 3; ++k) CHECK_FALSE(meets(m.set_probe_qualities[k]));
     REQUIRE(m.symmetric);
     CHECK(m.symmetric->is_smallest);
     CHECK(m.symmetric->operations.size() % 3 == 0);
@@ -260,7 +260,7 @@ TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     const RepairResult m = repair_form(request, 1);
     CHECK(m.wider == tape::two_floats);
     CHECK(m.all_wider_quality.kept_bits > 23);
-    CHECK((m.held_out_scene.width != scene.width && m.set_held_out.rays != m.own_quality.rays));
+    CHECK((m.held_out_scene.width != scene.width && m.set_held_out_quality.rays != m.own_quality.rays));
     CHECK(m.wider_set.value().quality.meets(request.requirement));
 }
 

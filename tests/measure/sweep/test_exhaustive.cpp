@@ -101,7 +101,7 @@ Compared compare(const std::string& text, const std::vector<TestedForm>& tested_
     const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     const auto request = request_of(file, tested_forms);
     const auto state = run(request);
-    const auto binades = sweep::binades_of(file);
+    const auto binades = sweep::split_into_binades(file);
     Compared compared;
     for (std::size_t b = 0; b < binades.size(); ++b) {
         for (std::size_t r = 0; r < file.rays.size(); ++r) {
@@ -181,7 +181,7 @@ TEST_CASE("all bit patterns: every float is counted, and infinities, NaNs and ze
     const TextFile written(
         sweep_text("set = \"ray.direction.x\"\nall = true", ray("over", "0.5, 0.25, 4", "0, 0, -1"), cube));
     const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
-    const auto binades = sweep::binades_of(file);
+    const auto binades = sweep::split_into_binades(file);
     CHECK(binades.size() == 516);
     CHECK(std::accumulate(binades.begin(), binades.end(), std::uint64_t{0},
                           [](std::uint64_t sum, const auto& b) { return sum + b.floats.size(); }) == file.floats());

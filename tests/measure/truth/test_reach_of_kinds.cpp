@@ -162,7 +162,7 @@ private:
         const CertifiedNumber t = find_truth(plain_.ray, plain_.primitive).t;
         return std::ldexp(t.hi, static_cast<int>(t.exponent)) * d[static_cast<int>(i) - 3] / dot(d, d);
     }
-    /// InputChange of the answer, in the unit of the bound; 0 if the changed problem has no answer.
+    /// Change of the answer, in the unit of the bound; 0 if the changed problem has no answer.
     [[nodiscard]] double seen(const std::vector<double>& way) const {
         std::vector<Real> moved(x_.begin(), x_.end());
         for (std::size_t i = 0; i < moved.size() && !normwise_; ++i) moved[i] += step_[i] * way[i];

@@ -211,7 +211,7 @@ TEST_CASE("a sheet marks the formats that also got rounded inputs", "[metric_pai
     CHECK(note({"f32", "fp16"}).starts_with("in fp16 the inputs are rounded too"));
     CHECK(note({"bf16", "f32", "p11", "tf32", "bf16"}).starts_with("in bf16, p11 and tf32 the inputs"));
     CHECK(has_word(note({"p23"}), "input_error"));
-    scene.inputs = lostbits::scene::file::Inputs::own;
+    scene.inputs = lostbits::scene::file::InputRounding::own;
     CHECK(note({"f32"}).starts_with("each format rounds the ideal scene itself"));
 }
 

@@ -36,7 +36,7 @@ ScatterPlotSpec small() {
 }
 
 PngImage plotted(const Scratch& folder, const ScatterPlotSpec& spec) {
-    save_figure(folder / "s.png", scatter_plot(spec));
+    save_figure(folder / "s.png", draw_scatter_plot(spec));
     return backend().read_png(folder / "s.png");
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("a scatter plot shows points, names and the Pareto front where they be
     REQUIRE((blue > 0 && red > 0 && faint > 0));
     CHECK(blue < red);
     CHECK(red < faint);
-    save_figure(folder / "again.png", scatter_plot(small()));
+    save_figure(folder / "again.png", draw_scatter_plot(small()));
     CHECK(contents(folder / "s.png") == contents(folder / "again.png"));
     auto without = small();
     for (auto& p : without.points) p.label.clear();

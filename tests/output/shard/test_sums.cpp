@@ -59,7 +59,7 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
         measure::offset::OffsetStudy{.scene = touching,
                                      .tested_forms = {{rows[0]}, {rows[1], measure::offset::HitPointKind::projected}},
                                      .strategies = {&measure::offset::strategies().front()},
-                                     .finds_quiet_offset = false});
+                                     .search_quiet_offset = false});
     const auto acne = load("raycast-acne", 8, 4200);  // two bands
     check_parts(measure::render::RenderStudy{.scene = acne,
                                              .stages = {scene::file::Stage::visible, scene::file::Stage::shadows},

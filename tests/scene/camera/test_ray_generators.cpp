@@ -194,7 +194,7 @@ TEST_CASE("generators that rotate a direction in camera space give the same rays
 TEST_CASE("shared inputs round the camera itself to binary32") {
     const std::string text = scene_of("0.1, 0.2, 0.3", "0.7, 5, 9", "near = 0.1\nfar = 1000.1");
     const file::Scene scene = with_ray_generator(loaded(text), *camera::find_ray_generator("three"));
-    CHECK(scene.inputs == file::Inputs::own);
+    CHECK(scene.inputs == file::InputRounding::own);
     CHECK(scene.camera.eye.x == Real(0.1F));
     CHECK(scene.camera.projection->near == Real(0.1F));
     CHECK(*scene.camera.projection->far == Real(1000.1F));

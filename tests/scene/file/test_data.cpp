@@ -20,7 +20,7 @@ namespace {
 
 std::vector<Scene> all_scenes() {
     std::vector<Scene> all;
-    for (const auto& file : scene_files(LOSTBITS_DATA_DIR))
+    for (const auto& file : list_scene_files(LOSTBITS_DATA_DIR))
         for (Scene& each : load_scene(file)) all.push_back(std::move(each));
     return all;
 }

@@ -220,7 +220,7 @@ TEST_CASE("meshes come after the other primitives, and their numbers are stored 
     CHECK(scene.primitive_count() == 88);
     CHECK(scene.shapes() == std::vector{Shape::triangle});
     const auto all = scene.primitives();
-    const auto list = shared_primitive_list(scene);
+    const auto list = make_shared_primitive_list(scene);
     REQUIRE(list.size() == all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Primitive<double> stored = list[i], ideal = round_primitive(all[i], binary32);

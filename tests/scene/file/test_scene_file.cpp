@@ -45,7 +45,7 @@ TEST_CASE("omitted keys of a scene have their defaults") {
         text = replaced(text, line, "");
     const Scene s = loaded(text);
     CHECK(s.note.empty());
-    CHECK(s.inputs == Inputs::shared);
+    CHECK(s.inputs == InputRounding::shared);
     CHECK(s.width == 256);
     CHECK(s.height == 256);
     CHECK(s.camera.up.y == 1);
@@ -82,13 +82,13 @@ TEST_CASE("one variant can be chosen by name") {
 
 TEST_CASE("scenes are listed by name") {
     const Scratch data;
-    CHECK(
-        has(error_of([&] { scene_files(data.path()); }), (data / "scenes").string() + ": this folder does not exist"));
-    CHECK(has(error_of([&] { scene_files(data.write("file", "")); }), ": this folder does not exist"));
+    CHECK(has(error_of([&] { list_scene_files(data.path()); }),
+              (data / "scenes").string() + ": this folder does not exist"));
+    CHECK(has(error_of([&] { list_scene_files(data.write("file", "")); }), ": this folder does not exist"));
     data.write("scenes/b.toml", good_scene);
     data.write("scenes/a.toml", good_scene);
     data.write("scenes/readme.md", "");
-    const auto files = scene_files(data.path());
+    const auto files = list_scene_files(data.path());
     REQUIRE(files.size() == 2);
     CHECK(files[0].filename() == "a.toml");
     CHECK(files[1].filename() == "b.toml");
@@ -133,7 +133,7 @@ TEST_CASE("an override changes one number, vector, element or name") {
     const Scene moved = loaded(good_scene, set("sphere[0].centre[2]=-30"));
     CHECK(moved.listed[0].sphere().centre.z == -30);
     CHECK(moved.listed[0].sphere().centre.x == 0);
-    CHECK(loaded(good_scene, set("inputs=own")).inputs == Inputs::own);
+    CHECK(loaded(good_scene, set("inputs=own")).inputs == InputRounding::own);
     CHECK(loaded(good_scene, set("title=plain words")).title == "plain words");
 }
 

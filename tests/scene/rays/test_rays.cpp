@@ -42,7 +42,7 @@ file::Scene flake_scene(const std::string& inputs) {
         "[sphereflake]\nlevels = 2\nradius = 0.7\ncentre = [0.1, 0.2, 0.3]\n[[sphere]]\ncentre = [0.1, -7, 0]\n"
         "radius = 3.3\n[[sphere]]");
     file::Scene scene = loaded(text);
-    if (inputs == "own") scene.inputs = file::Inputs::own;
+    if (inputs == "own") scene.inputs = file::InputRounding::own;
     return scene;
 }
 
@@ -159,16 +159,16 @@ TEST_CASE("a block of rays is rounded to a narrower format, also at subnormals a
 TEST_CASE("a list with a sphereflake in columns holds the same numbers as its single primitives") {
     for (const char* inputs : {"shared", "own"}) {
         const file::Scene scene = flake_scene(inputs);
-        const bool own = scene.inputs == file::Inputs::own;
+        const bool own = scene.inputs == file::InputRounding::own;
         const auto ideal = scene.primitives();
         const auto shared = shared_primitives(scene);
         for (const char* name : {"f32", "f64", "fp16", "p20", "p30"}) {
             const FloatFormat f = find_format(name)->parameters;
             INFO(inputs << " in " << name);
-            const PrimitiveList<double> list = own ? round_primitives(ideal_primitive_list(scene), f)
-                                                   : round_primitives(shared_primitive_list(scene), f);
+            const PrimitiveList<double> list = own ? round_primitives(make_ideal_primitive_list(scene), f)
+                                                   : round_primitives(make_shared_primitive_list(scene), f);
             REQUIRE(list.size() == 93);
-            REQUIRE(list.listed().size() == 2);
+            REQUIRE(list.listed_primitives().size() == 2);
             CHECK(list.all().size() == 93);
             for (std::size_t i = 0; i < list.size(); ++i) {
                 const Primitive<double> one = own ? round_primitive(ideal[i], f) : round_primitive(shared[i], f);
@@ -186,13 +186,14 @@ TEST_CASE("a list with a sphereflake in columns holds the same numbers as its si
 }
 
 TEST_CASE("copies of a list share the sphereflake, and its columns are read in place") {
-    const PrimitiveList<double> list = shared_primitive_list(flake_scene("shared")),
+    const PrimitiveList<double> list = make_shared_primitive_list(flake_scene("shared")),
                                 copy = round_primitives(list, binary64);
     CHECK(copy.flake() == list.flake());
     std::array<std::vector<float>, 4> columns_of_spheres;
-    CHECK(copy.columns<float>(10, 64, columns_of_spheres)[3].data() == list.flake()->stored<float>()->at(3).data() + 8);
+    CHECK(copy.columns<float>(10, 64, columns_of_spheres)[3].data() ==
+          list.flake()->stored_columns<float>()->at(3).data() + 8);
     CHECK(columns_of_spheres[0].empty());
-    CHECK(list.flake()->stored<double>() == nullptr);
+    CHECK(list.flake()->stored_columns<double>() == nullptr);
 }
 
 TEST_CASE("a radius is lost at half the smallest number and below, and half an ulp above the largest") {

@@ -215,9 +215,9 @@ Hit<T> decide_exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Sla
         const PlaneDistances<B> distances = plane_distances<T>(ray, slabs, result.limit);
         SlabDecision<T> products = decide_by_products<T>(distances);
         products.is_proved = products.is_proved && fit;
-        known_decision = first_proved(known_decision, products);
+        known_decision = prefer_first(known_decision, products);
         if (any_of(!known_decision.is_proved && fit))
-            known_decision = first_proved(known_decision, decide_by_exact_sums<T>(distances, fit));
+            known_decision = prefer_first(known_decision, decide_by_exact_sums<T>(distances, fit));
     }
     if constexpr (number::wide::products_may_overflow<T>)
         if (any_of(!known_decision.is_proved))
@@ -228,8 +228,8 @@ Hit<T> decide_exactly(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const Sla
 /// Does what `decide_exactly` does, for number types that record operations. They have no operation for exact sums, so
 /// the step is recorded as a call.
 template <Number T>
-Hit<T> decide_in_a_call(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
-                        const mask_t<T>& in_range) {
+Hit<T> record_exact_decision(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const SlabResult<T>& result,
+                             const mask_t<T>& in_range) {
     using number::wide::record_call, number::wide::plain_value;
     using P = decltype(plain_value(result.limit));
     const P zero(0), tmin = plain_value(result.segment.tmin), tmax = plain_value(result.segment.tmax);
@@ -272,7 +272,7 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
     if (any_of(!bound_decision.in_range)) {
         const BoundDecision<T> second_decision =
             decide_by_bound<T>(result.segment.tmin, result.segment.tmax, largest_intermediate(ray, slabs));
-        known_decision = {first_proved(bound_decision, second_decision),
+        known_decision = {prefer_first(bound_decision, second_decision),
                           bound_decision.in_range || second_decision.in_range};
         if (!any_of(!known_decision.is_proved)) return hit_from_segment<T>(known_decision.hit, result.segment);
     }
@@ -284,7 +284,7 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
             watch(DecidingArithmetic::wider);
             SlabDecision<T> wide_decision = decide_in_wider<B, T>(ray, slabs, result.limit);
             wide_decision.is_proved = wide_decision.is_proved && fits(ray, slabs, result.limit);
-            known_decision = {first_proved(known_decision, wide_decision), known_decision.in_range};
+            known_decision = {prefer_first(known_decision, wide_decision), known_decision.in_range};
             if (any_of(!known_decision.in_range)) {
                 const Segment<T> wide_segment = segment_in<B, T>(ray, slabs, result.limit);
                 result.segment = {select(known_decision.in_range, result.segment.tmin, wide_segment.tmin),
@@ -296,7 +296,7 @@ Hit<T> decide_further(const Ray<T>& ray, const OrderedSlabs<T>& slabs, SlabResul
 
     // Then without rounding.
     watch(DecidingArithmetic::exact);
-    if constexpr (traces_operations<T>) return decide_in_a_call<T>(ray, slabs, result, known_decision.in_range);
+    if constexpr (traces_operations<T>) return record_exact_decision<T>(ray, slabs, result, known_decision.in_range);
     else return decide_exactly<T>(ray, slabs, result, known_decision);
 }
 

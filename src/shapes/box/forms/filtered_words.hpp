@@ -16,7 +16,7 @@ struct SlabDecision {
 
     /// Returns `first` where it is proved, else `second`. A type that records operations computes one ray, for which
     /// the second step was taken because the first proved nothing, so it returns `second`.
-    friend SlabDecision first_proved(const SlabDecision& first, const SlabDecision& second) {
+    friend SlabDecision prefer_first(const SlabDecision& first, const SlabDecision& second) {
         if constexpr (traces_operations<T>) return second;
         else
             return {first.is_proved || second.is_proved,

@@ -36,7 +36,7 @@ struct Filtered {
                     watch(DecidingArithmetic::wider);
                     using W = number::wide::OneWord<T>;
                     const filter::Decision<T> wide_decision =
-                        first_proved(cheap_decision, filtered::decide_in_wider<W, T>(ray, sphere));
+                        prefer_first(cheap_decision, filtered::decide_in_wider<W, T>(ray, sphere));
                     if (!any_of(!wide_decision.is_proved)) return to_hit(wide_decision);
                     return to_hit(filter::finish<filtered::SphereSteps>(ray, sphere, wide_decision, watch));
                 }

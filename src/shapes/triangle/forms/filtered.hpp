@@ -36,7 +36,7 @@ struct FilteredTriangle {
             if constexpr (number::wide::has_wider_word<T>) {
                 if (number::wide::widens<T>()) {
                     watch(DecidingArithmetic::wider);
-                    decision = first_proved(decision, filtered::decide_in<number::wide::OneWord<T>>(ray, triangle));
+                    decision = prefer_first(decision, filtered::decide_in<number::wide::OneWord<T>>(ray, triangle));
                     if (!any_of(!decision.is_proved)) return single_hit<T>(decision.hit, decision.t);
                 }
             }

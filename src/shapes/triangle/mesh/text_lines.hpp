@@ -19,7 +19,7 @@
 
 namespace lostbits::scene::triangle {
 
-/// StatementKind of a text file: one line, or several lines if each but the last ends with a backslash.
+/// How a statement of a text file ends: with its line, or with the first line that does not end with a backslash.
 enum class StatementKind : std::uint8_t { line, continued_by_backslash };
 
 class TextLines {
