@@ -1,5 +1,5 @@
-// The transform of a primitive: the stored numbers of its matrix, and the transformation of rays and points to the space of
-// the primitive.
+// The transform of a primitive: the stored numbers of its matrix, and the transformation of rays and points to the
+// space of the primitive.
 #pragma once
 
 #include <array>

@@ -12,10 +12,10 @@ namespace lostbits::intersect::simd {
 /// The target of a form as plain pointers.
 template <class F>
 struct RawTarget {
-    const F* numbers;            ///< `max_shape_numbers` numbers for each primitive, in the order of `Primitive`
-    const std::uint8_t* shapes;  ///< the shape of each primitive, as the integer value of `Shape`
+    const F* numbers;             ///< `max_shape_numbers` numbers for each primitive, in the order of `Primitive`
+    const std::uint8_t* shapes;   ///< the shape of each primitive, as the integer value of `Shape`
     std::size_t primitive_count;  ///< number of primitives; 1 for a form that does not march
-    MarchConstants<F> march;     ///< only for forms that march
+    MarchConstants<F> march;      ///< only for forms that march
 };
 
 /// Whole packs of rays, structure of arrays: `size` is a multiple of the lanes.

@@ -184,7 +184,7 @@ private:
                                                : computed(i));
 
                 case OperationKind::given:
-                case OperationKind::exact:  // rounding the operand alone costs half an ulp, which is no bit
+                case OperationKind::exact:              // rounding the operand alone costs half an ulp, which is no bit
                 case OperationKind::next_or_converted:  // its change is intended
                 case OperationKind::choice:
                 case OperationKind::comparison:

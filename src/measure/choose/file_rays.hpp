@@ -37,8 +37,8 @@ struct FileOptions {
     std::string result_name;
     /// Primitives of all rays. If neither these nor a mesh are given, each ray has its own.
     std::vector<Primitive<double>> primitives = {};
-    std::shared_ptr<const scene::rays::StoredMesh> mesh = {};   ///< mesh whose triangles follow `primitives`; or null
-    intersect::Info contract{};                                 ///< contract of the answers
+    std::shared_ptr<const scene::rays::StoredMesh> mesh = {};  ///< mesh whose triangles follow `primitives`; or null
+    intersect::Info contract{};                                ///< contract of the answers
     /// Receives the number of bytes read since the last call; may throw to stop.
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
     [[nodiscard]] std::vector<Primitive<double>> representatives() const {

@@ -28,11 +28,11 @@ struct JudgedAnswer {
     std::uint64_t record = 0;  ///< index in the file, from 0, of its first record
     Ray<double> ray{};         ///< for a point, its origin is the point
     Range<double> range{};
-    std::vector<ListedHit> hits = {};  ///< filled for `all_hits` only
-    std::int32_t answer_count = 0;     ///< the answer as in the file; for `all_hits`, the number of hits
-    ListJudgement judgement = {};      ///< for kinds other than `all_hits`, only `outcome` and `crossings` are set
+    std::vector<ListedHit> hits = {};     ///< filled for `all_hits` only
+    std::int32_t answer_count = 0;        ///< the answer as in the file; for `all_hits`, the number of hits
+    ListJudgement judgement = {};         ///< for kinds other than `all_hits`, only `outcome` and `crossings` are set
     std::vector<double> ulp_errors = {};  ///< (t − t*)/ulp(t*) of each hit; NaN if the ray does not meet its triangle
-    std::int32_t winding = 0;          ///< filled for points only
+    std::int32_t winding = 0;             ///< filled for points only
 };
 
 /// Receives the answers of consecutive records, in the order of the file.
@@ -48,7 +48,7 @@ struct MeshAnswersResult {
     /// Number of hits in all lists, and the sums of the counts of `ListJudgement`. Set for lists only.
     std::uint64_t listed_hits = 0, missing_crossings = 0, double_hits = 0, false_hits = 0, neighbour_hits = 0;
     metric::Distribution ulp_errors, lost_bits;  ///< of the hits whose triangle the ray meets
-    std::uint64_t rounded_count = 0;       ///< number of values in the file that its format cannot represent
+    std::uint64_t rounded_count = 0;             ///< number of values in the file that its format cannot represent
 
     [[nodiscard]] std::uint64_t outcome_count(MeshOutcome outcome) const {
         return outcomes[static_cast<std::size_t>(outcome)];

@@ -43,8 +43,8 @@ struct SymmetricSet {
 /// A rewritten form, equal to the original in real arithmetic.
 struct RewrittenForm {
     Tape tape;
-    std::vector<const Rule*> rules;     ///< the rules that were applied, in order
-    FormQuality quality{}, held_out{};  ///< quality on the scene, and on rays that were not searched on
+    std::vector<const Rule*> rules;            ///< the rules that were applied, in order
+    FormQuality quality{}, held_out{};         ///< quality on the scene, and on rays that were not searched on
     std::size_t rounding_operation_count = 0;  ///< number of operations that round
     /// The fewest operations to do wider, if the form meets the requirement only with them; they are wider in `tape`.
     std::optional<WiderSet> wider_set = {};

@@ -123,7 +123,8 @@ bool misses(const CappedSpan<Near>& s) {
 /// Lines that run inside a tube from plane to plane miss it, too.
 bool misses(const WallSpan<Near>& s) {
     const auto& [at_entry, at_exit] = std::pair(s.primitive.at_planes_entry.value, s.primitive.at_planes_exit.value);
-    return s.primitive.crosses_planes.is_yes() && at_entry.highest() < 0 && at_exit.highest() < 0 ? true : misses(s.primitive);
+    const bool runs_inside = at_entry.highest() < 0 && at_exit.highest() < 0;
+    return (s.primitive.crosses_planes.is_yes() && runs_inside) || misses(s.primitive);
 }
 /// A line misses a ball if the discriminant is below zero.
 bool misses(const QuadraticSpan<Near>& s) { return s.q.highest() < 0; }
