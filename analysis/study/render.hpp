@@ -101,7 +101,7 @@ struct RenderAdapter {
         return max_unproved;
     }
 
-    static std::uint64_t unproved_count(const Presentation::SummaryRow& row) { return row.summary->unresolved(); }
+    static std::uint64_t unproved_count(const Presentation::SummaryRow& row) { return row.summary->unresolved_count(); }
 
 private:
     /// The stage of this name, which must be known.

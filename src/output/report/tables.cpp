@@ -148,11 +148,11 @@ std::string mend_table(const repair::RepairSummary& result) {
     for (const repair::FormRow& row : form_rows(result)) {
         if (!row.is_shown) continue;
         const bool is_best = best && best->quality == row.quality;
-        const bool is_known = row.operations > 0;
+        const bool is_known = row.rounding_operation_count > 0;
 
         // The form, its operations, and its accuracy on the rays of the search and on others.
         text += fmt::format("<tr{}><th scope=\"row\">{}</th>", is_best ? " class=\"chosen\"" : "", html(row.name));
-        add_cell(is_known ? static_cast<double>(row.operations) : NAN);
+        add_cell(is_known ? static_cast<double>(row.rounding_operation_count) : NAN);
         add_cell(is_known ? static_cast<double>(row.wider_operations) : NAN);
         for (const auto* const quality : {row.quality, row.held_out_quality}) {
             add_cell(quality ? quality->kept_bits : NAN);
