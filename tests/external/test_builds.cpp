@@ -37,7 +37,7 @@ TEST_CASE("plugin: explain reports how good an answer is, and nothing more of a 
         const Outcome refused = run(ray + what + " -i odd.first" + plugin("odd_plugin"), folder.path());
         CHECK(refused.code == 2);
         CHECK(has(refused.err, "its operations are not known"));
-        CHECK(has(refused.err, "Without" + what));
+        CHECK(has(refused.err, "leave out" + what));
     }
 }
 
