@@ -93,7 +93,7 @@ struct StudySection {
     std::vector<std::string> sentences = {};   ///< findings
     std::string table = {};                    ///< HTML, see `study_table` and `offset_table`
     Picture sheet = {};
-    /// Of offsets, for each side and each of `all_strategies`: the fraction of rays that go wrong.
+    /// Fractions of rays that go wrong, for each side and each of `all_strategies`. Only in a section of offsets.
     std::array<std::vector<double>, 2> wrong_fractions = {};
 };
 
