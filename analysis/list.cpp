@@ -55,7 +55,7 @@ using Cells = std::array<std::string_view, n>;
 /// Returns the right answer for a ray that starts inside a primitive, in one word.
 std::string inside_answer(intersect::Inside inside, Shape shape) {
     if (inside != intersect::Inside::usual)
-        return std::string(intersect::inside_names[static_cast<std::size_t>(inside)]);
+        return std::string(intersect::inside_names[inside]);
     if (!is_primitive(shape)) return "by primitive";
     if (is_flat(shape)) return "none";
     return inside_returns_zero(shape) ? "zero" : "exit";
@@ -72,7 +72,7 @@ Row make_form_row(const intersect::table::Intersector& form) {
                                   : info.at_origin == intersect::AtOrigin::miss ? "miss"
                                                                                 : "exit";
     const std::string facing =
-        is_flat(form.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none";
+        is_flat(form.shape) ? std::string(intersect::facing_names[info.facing]) : "none";
 
     return {std::string(info.name),
             std::string(info.title),

@@ -44,10 +44,10 @@ struct ShapeSet {
             if (transform) ray = {transform->map().point(ray.origin), transform->map().linear(ray.direction)};
             for (int k = 0; k < 6; ++k) {
                 const double x = k < 3 ? ray.origin[k] : ray.direction[k - 3];
-                narrow[static_cast<std::size_t>(k)].push_back(static_cast<float>(x));
+                narrow[k].push_back(static_cast<float>(x));
                 // Adds 29 bits below those of a float.
                 const double more = 1 + static_cast<double>(engine() >> 35) * 0x1p-53;
-                wide[static_cast<std::size_t>(k)].push_back(x * more);
+                wide[k].push_back(x * more);
             }
         }
         for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)

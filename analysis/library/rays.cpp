@@ -342,7 +342,7 @@ std::vector<measure::crossing::PointInMesh> locate_points(const SceneInFormat& s
                               point_count = std::min(points_per_piece, count - first);
             for (std::size_t i = first; i < first + point_count; ++i) {
                 Vec<double> point;
-                for (int k = 0; k < 3; ++k) point[k] = number_at(columns[static_cast<std::size_t>(k)], i, format);
+                for (int k = 0; k < 3; ++k) point[k] = number_at(columns[k], i, format);
                 if (!measure::truth::is_valid(Ray<double>{point, {1, 1, 1}}))
                     throw InputError("point " + std::to_string(i) + " has a number that is not finite");
                 points_in_mesh[i] = measure::crossing::locate_in_mesh(point, triangles, {.stop = settings.stop()});

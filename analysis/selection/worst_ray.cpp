@@ -68,14 +68,14 @@ struct OverallWorst {
 /// The index of a ray among all rays of a step, which are in groups.
 std::size_t index_among(const std::vector<RayGroup>& groups, const WorstRay& ray) {
     auto index = static_cast<std::size_t>(ray.x);
-    for (int g = 0; g < ray.group; ++g) index += groups[static_cast<std::size_t>(g)].rays.size();
+    for (int g = 0; g < ray.group; ++g) index += groups[g].rays.size();
     return index;
 }
 
 }  // namespace
 
 RayGroup pick_ray(std::vector<RayGroup> groups, int rays_per_group, int ray_index) {
-    RayGroup& group = groups[static_cast<std::size_t>(ray_index / rays_per_group)];
+    RayGroup& group = groups[ray_index / rays_per_group];
     const auto index = static_cast<std::size_t>(ray_index % rays_per_group);
     RayGroup single_ray = scene::rays::group_of(group.rays[index]);
     single_ray.primitives = std::move(group.primitives);

@@ -41,7 +41,7 @@ struct CorrectHit {
 
     [[nodiscard]] Ray<Real> ray() const { return lift_ray<Real>(form_on_band.rays()[pixel]); }
     [[nodiscard]] Primitive<Real> primitive() const {
-        return lift_primitive<Real>(form_on_band.inputs.primitives[static_cast<std::size_t>(truth.primitive)]);
+        return lift_primitive<Real>(form_on_band.inputs.primitives[truth.primitive]);
     }
     /// The computed t.
     [[nodiscard]] Real t() const { return Real(form_on_band.closest_hits.t[pixel]); }

@@ -26,7 +26,7 @@ struct Affine {
     template <class Visit>
     constexpr void for_each_number(const Visit& visit) const {
         for (int i = 0; i < 3; ++i) {
-            const Vec<T>& row = rows[static_cast<std::size_t>(i)];
+            const Vec<T>& row = rows[i];
             visit(row.x);
             visit(row.y);
             visit(row.z);

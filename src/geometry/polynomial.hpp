@@ -30,8 +30,8 @@ struct Polynomial {
     std::array<T, 5> c;
     int degree;
 
-    [[nodiscard]] const T& coefficient(int power) const { return c[static_cast<std::size_t>(power)]; }
-    [[nodiscard]] T& coefficient(int power) { return c[static_cast<std::size_t>(power)]; }
+    [[nodiscard]] const T& coefficient(int power) const { return c[power]; }
+    [[nodiscard]] T& coefficient(int power) { return c[power]; }
     [[nodiscard]] const T& leading() const { return coefficient(degree); }
 
     [[nodiscard]] T at(const T& x) const {

@@ -41,8 +41,8 @@ std::optional<Ends<T>> ends_of(const QuarticSpan<T>& span) {
         std::array<int, 4> crossing_indices;
         for (int i = 0; i < roots->count; ++i) {
             if (!(*roots)[i].changes_sign) continue;
-            crossing_indices[static_cast<std::size_t>(count)] = i;
-            crossings[static_cast<std::size_t>(count++)] = (*roots)[i].root;
+            crossing_indices[count] = i;
+            crossings[count++] = (*roots)[i].root;
         }
         if (count > 2) {
             const auto order = roots->order(crossing_indices[1], span.b);

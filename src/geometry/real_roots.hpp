@@ -16,7 +16,7 @@ struct ApproximateRoots {
     std::array<T, 4> x;
     int count = 0;
 
-    void add(const T& root) { x[static_cast<std::size_t>(count++)] = root; }
+    void add(const T& root) { x[count++] = root; }
 };
 
 /// Finds the root of f between two numbers at which f has different signs, by Newton's method. Bisects if a Newton step
@@ -56,7 +56,7 @@ ApproximateRoots<A> approximate_roots(const Polynomial<A>& f, const A& bound) {
     A low = -bound;
     auto sign_before = known_sign(middle(f.at(low)));
     for (int i = 0; i <= extrema.count; ++i) {
-        const A high = i < extrema.count ? extrema.x[static_cast<std::size_t>(i)] : bound;
+        const A high = i < extrema.count ? extrema.x[i] : bound;
         const auto sign_after = known_sign(middle(f.at(high)));
         if (sign_before && sign_after && *sign_before * *sign_after < 0) roots.add(approximate_root(f, low, high));
         if (sign_after != 0) {
@@ -83,7 +83,7 @@ struct EnclosedRoots {
     std::array<EnclosedRoot<E>, 4> all;
     int count = 0;
 
-    [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const EnclosedRoot<E>& operator[](int i) const { return all[i]; }
     /// Compares root i with a point x: −1 if the root is below x, 0 if it is x, +1 if it is above x. Returns nothing if
     /// that is not known. `sign_relative_to_x(p)` is the sign of p − x. `sign_at_x()` returns the sign of `simple` at
     /// x. Between roots i − 1 and i + 1, that sign changes only at root i.
@@ -122,7 +122,7 @@ ApproximateRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound
     const ApproximateRoots<double> approximations = approximate_roots(in_double, 1.0);
     ApproximateRoots<E> roots;
     for (int i = 0; i < approximations.count; ++i)
-        roots.add(middle(E(approximations.x[static_cast<std::size_t>(i)]) * bound));
+        roots.add(middle(E(approximations.x[i]) * bound));
     return roots;
 }
 
@@ -134,7 +134,7 @@ ApproximateRoots<E> refine(const Polynomial<E>& f, const ApproximateRoots<E>& st
     for (const long full_bits = precision_of(E(0)); bits < full_bits; bits *= 2) {
         const typename E::Precision precision(std::min(2 * bits, full_bits));
         for (int i = 0; i < roots.count; ++i) {
-            E& x = roots.x[static_cast<std::size_t>(i)];
+            E& x = roots.x[i];
             const E step = middle(f.at(x)) / middle(slope.at(x));
             if (step.is_bounded()) x = middle(x - step);
         }
@@ -161,7 +161,7 @@ ApproximateRoots<E> approximate_by_first_words(const Polynomial<E>& f, const E& 
     for (int i = 0; i <= f.degree; ++i) in_double.coefficient(i) = f.coefficient(i).hi();
     const ApproximateRoots<double> approximations = approximate_roots(in_double, bound.hi());
     ApproximateRoots<E> roots;
-    for (int i = 0; i < approximations.count; ++i) roots.add(E(approximations.x[static_cast<std::size_t>(i)]));
+    for (int i = 0; i < approximations.count; ++i) roots.add(E(approximations.x[i]));
     return roots;
 }
 
@@ -189,8 +189,8 @@ std::optional<EnclosedRoots<E>> enclose_roots_near(const ApproximateRoots<E>& ap
     if (approximations.count != roots.count) return std::nullopt;
     const Polynomial<E> slope = roots.simple.derivative();
     for (int i = 0; i < roots.count; ++i) {
-        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
-        root = enclose_root(roots.simple, slope, approximations.x[static_cast<std::size_t>(i)], bound);
+        EnclosedRoot<E>& root = roots.all[i];
+        root = enclose_root(roots.simple, slope, approximations.x[i], bound);
         const auto sign_before = known_sign(roots.simple.at(root.low)),
                    sign_after = known_sign(roots.simple.at(root.high));
         if (!sign_before || !sign_after || *sign_before * *sign_after >= 0) return std::nullopt;
@@ -200,7 +200,7 @@ std::optional<EnclosedRoots<E>> enclose_roots_near(const ApproximateRoots<E>& ap
     // The sign beyond the last root is that of the leading coefficient. Close to a double root f is tiny and its sign
     // may be unknown. So the sign is taken half way between two roots.
     for (int i = roots.count - 1, sign = known_sign(roots.f.leading()).value_or(1); i >= 0; --i) {
-        EnclosedRoot<E>& root = roots.all[static_cast<std::size_t>(i)];
+        EnclosedRoot<E>& root = roots.all[i];
         root.sign_beyond = sign;
         const bool is_first = i == 0;
         const auto sign_before = are_simple ? std::optional(-sign)

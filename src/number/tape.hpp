@@ -80,7 +80,7 @@ struct TapeOpRow {
 inline constexpr std::array tape_operations{LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ROW)};
 #undef LOSTBITS_ROW
 
-constexpr const TapeOpRow& row_of(TapeOp op) { return tape_operations[static_cast<std::size_t>(op)]; }
+constexpr const TapeOpRow& row_of(TapeOp op) { return tape_operations[op]; }
 constexpr std::string_view name_of(TapeOp op) { return row_of(op).name; }
 constexpr OperationKind kind_of(TapeOp op) { return row_of(op).kind; }
 
@@ -135,8 +135,8 @@ public:
     /// The name of every operation that is recorded while this name is not empty (`Part`).
     std::string_view part_name = {};
 
-    [[nodiscard]] const TapeNode& operator[](NodeId i) const { return nodes[static_cast<std::size_t>(i)]; }
-    [[nodiscard]] TapeNode& operator[](NodeId i) { return nodes[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const TapeNode& operator[](NodeId i) const { return nodes[i]; }
+    [[nodiscard]] TapeNode& operator[](NodeId i) { return nodes[i]; }
     [[nodiscard]] const FloatFormat& format_of(NodeId i) const { return formats[(*this)[i].format]; }
     [[nodiscard]] NodeId size() const { return static_cast<NodeId>(nodes.size()); }
     [[nodiscard]] const TapeCall& call_at(NodeId i) const { return *std::ranges::find(calls, i, &TapeCall::node); }

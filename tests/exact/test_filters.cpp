@@ -113,7 +113,7 @@ struct Tally {
     std::string first;
 
     [[nodiscard]] bool go_some(DecidingArithmetic way, std::size_t of_a_thousand) const {
-        return 1000 * ways[static_cast<std::size_t>(way)] >= of_a_thousand * first_batch;
+        return 1000 * ways[way] >= of_a_thousand * first_batch;
     }
 };
 
@@ -122,8 +122,8 @@ void add_ways(const Intersector& form, std::span<const Problem> problems, Tally&
     const Format format = *find_format(sizeof(F) == 4 ? "f32" : "f64");
     for (const Problem& p : problems) {
         const Ray<double> ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}};
-        ++tally.ways[static_cast<std::size_t>(
-            form.deciding_arithmetic(format, ray, primitive_of<double>(form, p), p.tmax))];
+        ++tally.ways[
+            form.deciding_arithmetic(format, ray, primitive_of<double>(form, p), p.tmax)];
     }
     tally.first_batch = problems.size();
 }

@@ -36,7 +36,7 @@ public:
 private:
     int below(int n) { return static_cast<int>(random_() % static_cast<std::uint64_t>(n)); }
     std::string one_of(const std::vector<std::string>& words) {
-        return words[static_cast<std::size_t>(below(static_cast<int>(words.size())))];
+        return words[below(static_cast<int>(words.size()))];
     }
     std::string math(const std::string& name) { return type_ == "float" && below(4) > 0 ? name + "f" : name; }
 

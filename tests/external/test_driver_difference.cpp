@@ -33,7 +33,7 @@ double exact_t(Tape tape) {
     const std::vector<double> inputs{3, -2, 5, -0.625, 0.3125, -1.125, 0.25, -0.5, 0.75, 1.5};
     for (TapeNode& n : tape.nodes)
         if (n.op == TapeOp::input && static_cast<std::size_t>(n.operands[0]) < inputs.size())
-            n.value = inputs[static_cast<std::size_t>(n.operands[0])];
+            n.value = inputs[n.operands[0]];
     return measure::attribution::Rerun(tape, [](NodeId) { return false; })[tape.outputs.t];
 }
 

@@ -48,7 +48,7 @@ inline double draw_special(Random& random, const FloatFormat& f) {
                                        std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax),
                                        std::ldexp(1.0, f.emin),
                                        std::ldexp(1.0, f.emin - f.precision + 1)};
-    return random.sign() * values[static_cast<std::size_t>(random.between(0, 6))];
+    return random.sign() * values[random.between(0, 6)];
 }
 
 /// Operands of the format for one operation; half of them aimed at its hard cases.

@@ -92,7 +92,7 @@ void try_pair(const Known& a, const Known& b, std::array<long, count>& broken) {
                                     x < y ? y : x};
             for (int k = 0; k < below; ++k) {
                 if (k == signed_as && std::isnan(y)) continue;
-                broken[static_cast<std::size_t>(k)] +=
+                broken[k] +=
                     k == quotient ? !holds_quotient(results[k], x, y) : !holds(results[k], exact[k]);
             }
             broken[below] += !holds_decision(lower, x < y);
@@ -136,7 +136,7 @@ TEST_CASE("four bits: every bound of a fused product holds", "[number][bounded]"
     const std::vector<Known> all = operands(true);
     Random random(34);
     const auto one = [&]() -> const Known& {
-        return all[static_cast<std::size_t>(random.between(0, static_cast<long>(all.size()) - 1))];
+        return all[random.between(0, static_cast<long>(all.size()) - 1)];
     };
     long broken = 0;
     for (int i = 0; i < 300000; ++i) {

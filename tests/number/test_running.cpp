@@ -152,7 +152,7 @@ template <class N>
 void operations_hold(double least) {
     for (const Op op : every_op) {
         const Tried tried = try_operation<N>(op, draws<std::size_t>(200'000));
-        INFO(op_names[static_cast<std::size_t>(op)] << " of " << tried.first_wrong);
+        INFO(op_names[op] << " of " << tried.first_wrong);
         CHECK(tried.wrong == 0);
         CHECK(tried.finite > draws<std::size_t>(200'000) / 20);
         // A bound that is much larger than necessary would settle nothing.

@@ -40,7 +40,7 @@ std::vector<std::function<EGLDisplay()>> find_displays() {
         if (query_devices != nullptr &&
             query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_TRUE) {
             for (EGLint i = 0; i < count; ++i)
-                result.emplace_back([device = devices[static_cast<std::size_t>(i)], get_platform_display] {
+                result.emplace_back([device = devices[i], get_platform_display] {
                     return get_platform_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
                 });
         }

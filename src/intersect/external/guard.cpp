@@ -210,7 +210,7 @@ ForeignCodeScope::~ForeignCodeScope() {
                         "last");
 
     running_code = outer_code_;
-    if (slot_ >= 0) watched_calls[static_cast<std::size_t>(slot_)].who.store(nullptr);
+    if (slot_ >= 0) watched_calls[slot_].who.store(nullptr);
 }
 
 ProbeScope::ProbeScope(const char* name) { running_probe = name; }

@@ -34,7 +34,7 @@ struct HeaderKey {
 template <class Value>
 HeaderKey enumeration_key(std::string_view name, Texts texts, Value Contract::*field) {
     return {name, texts, [field](Contract& c, std::size_t i, const std::string&) { c.*field = static_cast<Value>(i); },
-            [field, texts](const Contract& c) { return std::string(texts[static_cast<std::size_t>(c.*field)]); }};
+            [field, texts](const Contract& c) { return std::string(texts[c.*field]); }};
 }
 
 HeaderKey text_key(std::string_view name, std::string Contract::*field) {

@@ -243,14 +243,14 @@ std::vector<NamedNumber> names_of(const UserSignature& signature, const Walk& wa
     for (const InputSlot& input_slot : signature.inputs) {
         const std::size_t bracket = input_slot.source.find("in[");
         if (bracket == std::string::npos || input_slot.slot.argument < 0) continue;
-        names.push_back({.text = part_text(signature.arguments[static_cast<std::size_t>(input_slot.slot.argument)],
+        names.push_back({.text = part_text(signature.arguments[input_slot.slot.argument],
                                            input_slot.slot.offset),
                          .operation = no_node,
                          .input = std::atoi(input_slot.source.c_str() + bracket + 3),
                          .is_inverse = bracket > 0});
     }
     for (const Walk::StoredNumber& stored : walk.stored())
-        if (const NodeId operation = operation_of[static_cast<std::size_t>(stored.node)]; operation != no_node)
+        if (const NodeId operation = operation_of[stored.node]; operation != no_node)
             names.push_back({.text = stored.name,
                              .operation = operation,
                              .place = stored.place,

@@ -301,7 +301,7 @@ Mask Nodes::select_mask(Mask when, Mask a, Mask b) {
 }
 
 void Nodes::name_node(NodeId i, const std::string& label, int depth) {
-    ProgramNode& n = nodes_[static_cast<std::size_t>(i)];
+    ProgramNode& n = nodes_[i];
     if (!is_operation(n.op) || n.op == TapeOp::convert) return;
     if (!n.label.empty() && depth >= n.label_depth) return;
     n.label = label;
@@ -356,17 +356,17 @@ Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, Node
         if (n.op == TapeOp::input) w.operands = n.operands;
         else if (n.op != TapeOp::constant)
             for (std::size_t k = 0; k < row_of(n.op).operands; ++k)
-                w.operands[k] = operation_of[static_cast<std::size_t>(n.operands[k])];
+                w.operands[k] = operation_of[n.operands[k]];
         operation_of[i] = append(std::move(w), n.place);
     }
 
     // A known decision is a comparison of 0 with 0.
     const auto decision = [&](Mask m) {
-        if (m >= 0) return operation_of[static_cast<std::size_t>(m)];
+        if (m >= 0) return operation_of[m];
         const NodeId zero = append({.op = TapeOp::constant}, -1);
         return append({.op = m == yes ? TapeOp::less_equal : TapeOp::less, .operands = {zero, zero, no_node}}, -1);
     };
-    const auto answer = [&](NodeId i) { return i == no_node ? no_node : operation_of[static_cast<std::size_t>(i)]; };
+    const auto answer = [&](NodeId i) { return i == no_node ? no_node : operation_of[i]; };
     result.formula.hit = decision(hit);
     result.formula.t = answer(t);
     result.formula.near = answer(near);
@@ -378,11 +378,11 @@ Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, Node
 std::vector<bool> Nodes::find_needed(std::initializer_list<NodeId> outputs) const {
     std::vector<bool> is_needed(nodes_.size());
     for (const NodeId i : outputs)
-        if (i >= 0) is_needed[static_cast<std::size_t>(i)] = true;
+        if (i >= 0) is_needed[i] = true;
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         if (!is_needed[i] || is_given(nodes_[i].op)) continue;
         for (std::size_t k = 0; k < row_of(nodes_[i].op).operands; ++k)
-            is_needed[static_cast<std::size_t>(nodes_[i].operands[k])] = true;
+            is_needed[nodes_[i].operands[k]] = true;
     }
     return is_needed;
 }

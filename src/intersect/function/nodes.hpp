@@ -42,7 +42,7 @@ public:
 
     int place = -1;  ///< index of the source place of the operations that are added next
 
-    [[nodiscard]] const ProgramNode& operator[](NodeId i) const { return nodes_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const ProgramNode& operator[](NodeId i) const { return nodes_[i]; }
     [[nodiscard]] std::size_t size() const { return nodes_.size(); }
     [[nodiscard]] int bits() const { return bits_; }
 

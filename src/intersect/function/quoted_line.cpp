@@ -56,15 +56,15 @@ const UserFunction* function_with_place(const Info& form, const Format& format, 
     const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
     const auto node_entry = std::ranges::find(nodes, node);
     if (node_entry == nodes.end()) return nullptr;
-    place_index = f->place_of_operation[static_cast<std::size_t>(node_entry - nodes.begin())];
+    place_index = f->place_of_operation[node_entry - nodes.begin()];
     return place_index < 0 ? nullptr : f;
 }
 
 /// Returns the positions of the calls in the same file that lead to a place.
 std::string call_chain(const UserFunction& f, const SourcePlace& p) {
     std::string text;
-    for (int caller = p.caller; caller >= 0; caller = f.places[static_cast<std::size_t>(caller)].caller) {
-        const SourcePlace& c = f.places[static_cast<std::size_t>(caller)];
+    for (int caller = p.caller; caller >= 0; caller = f.places[caller].caller) {
+        const SourcePlace& c = f.places[caller];
         // In Rust, the wrapper that calls the user's function is compiled in the same file, below the user's text.
         const bool is_below = c.file == f.path && c.line > std::ranges::count(f.source, '\n') + 1;
         if (c.line == 0 || c.file != p.file || is_below) continue;
@@ -106,14 +106,14 @@ std::string text_of_place(const SourcePlace& p) {
 std::string place_text(const Info& form, const Format& format, NodeId node) {
     int place_index = -1;
     const UserFunction* const f = function_with_place(form, format, node, place_index);
-    return f == nullptr ? "" : text_of_place(f->places[static_cast<std::size_t>(place_index)]);
+    return f == nullptr ? "" : text_of_place(f->places[place_index]);
 }
 
 std::string quoted_line(const Info& form, const Format& format, NodeId node) {
     int place_index = -1;
     const UserFunction* const f = function_with_place(form, format, node, place_index);
     if (f == nullptr) return "";
-    const SourcePlace& p = f->places[static_cast<std::size_t>(place_index)];
+    const SourcePlace& p = f->places[place_index];
     const std::string header = text_of_place(p) + call_chain(*f, p) + "\n";
 
     const std::string line = read_line(*f, p);

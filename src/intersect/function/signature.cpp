@@ -347,7 +347,7 @@ std::string role_text(Shape shape, const std::string& role) {
 /// without const, so this comes last.
 void find_output_arrays(std::vector<Part>& parts, const UserSignature& signature) {
     for (Part& p : parts) {
-        const bool is_const = signature.arguments[static_cast<std::size_t>(p.slot.argument)].type.is_const;
+        const bool is_const = signature.arguments[p.slot.argument].type.is_const;
         if (!p.role.empty() || !p.points_to_numbers || !p.is_vector || is_const) continue;
         p.is_vector = false;
         p.is_out = true;

@@ -97,14 +97,14 @@ private:
                 do {
                     top = stack.back();
                     stack.pop_back();
-                    on_stack[static_cast<std::size_t>(top)] = false;
+                    on_stack[top] = false;
                     components.back().push_back(top);
                 } while (top != block);
             }
             const int block_low_link = low_link[block_index];
             visits.pop_back();
             if (!visits.empty()) {
-                int& parent_low_link = low_link[static_cast<std::size_t>(visits.back().block)];
+                int& parent_low_link = low_link[visits.back().block];
                 parent_low_link = std::min(parent_low_link, block_low_link);
             }
         }
@@ -117,17 +117,17 @@ private:
         const std::vector<std::vector<int>> components = find_components(entry, allowed);
         for (std::size_t c = components.size(); c-- > 0;) {
             const int head = components[c].back();
-            position_[static_cast<std::size_t>(head)] = next_position_++;
+            position_[head] = next_position_++;
             if (components[c].size() == 1) continue;
 
             std::vector<bool> without_head(successors_.size(), false);
-            for (const int b : components[c]) without_head[static_cast<std::size_t>(b)] = b != head;
-            for (const int successor : successors_[static_cast<std::size_t>(head)])
-                if (without_head[static_cast<std::size_t>(successor)] &&
-                    position_[static_cast<std::size_t>(successor)] < 0)
+            for (const int b : components[c]) without_head[b] = b != head;
+            for (const int successor : successors_[head])
+                if (without_head[successor] &&
+                    position_[successor] < 0)
                     arrange_and_remove(successor, without_head);
             for (const int b : components[c])
-                if (position_[static_cast<std::size_t>(b)] < 0) arrange_and_remove(b, without_head);
+                if (position_[b] < 0) arrange_and_remove(b, without_head);
         }
     }
     /// Arranges the blocks that `entry` reaches, and removes every block that has a position from `allowed`.
@@ -452,7 +452,7 @@ Walk::Answer Walk::run(const std::string& name, int inputs) {
     } catch (const NotFollowed& reason) {
         const int user_place = innermost_user_place(nodes_.place);
         if (user_place < 0) throw InputError(reason.what());
-        const SourcePlace& p = places_[static_cast<std::size_t>(user_place)];
+        const SourcePlace& p = places_[user_place];
         throw InputError(p.file + ":" + std::to_string(p.line) + ":" + std::to_string(p.column) + ": " + reason.what());
     }
 }

@@ -174,7 +174,7 @@ int Walk::place_in_ir(std::string_view line, int caller) {
 
 int Walk::innermost_user_place(int place) const {
     for (int guard = 0; place >= 0 && guard < 100; ++guard) {
-        const SourcePlace& p = places_[static_cast<std::size_t>(place)];
+        const SourcePlace& p = places_[place];
         if (p.line > 0 && (p.file.starts_with(user_folder_) || p.file == ir_file_)) return place;
         place = p.caller;
     }

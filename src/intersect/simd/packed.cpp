@@ -145,7 +145,7 @@ std::optional<PackedFormKernels> find_packed(const table::Intersector& form, Isa
     const auto entry = std::ranges::find_if(scalar, [&](const PackedFormKernels& row) {
         return row.info == form.info && row.f32 == form.native32 && row.f64 == form.native64;
     });
-    if (entry != scalar.end()) return all_packed_kernels(isa)[static_cast<std::size_t>(entry - scalar.begin())];
+    if (entry != scalar.end()) return all_packed_kernels(isa)[entry - scalar.begin()];
     const auto external = std::ranges::find(external_packs(), form.info, &ExternalKernels::info);
     if (external == external_packs().end() || isa == Isa::scalar) return std::nullopt;
     RegisterKernels& kernels = external->widths[static_cast<std::size_t>(isa) - 1];

@@ -13,12 +13,12 @@ namespace lostbits::intersect::table {
 inline TapeOutputs append_tape(const Tape& form, const std::vector<NodeId>& inputs, Tape& target) {
     std::vector<NodeId> new_index(form.nodes.size());
     const auto renumber = [&new_index](NodeId node) {
-        return node == no_node ? no_node : new_index[static_cast<std::size_t>(node)];
+        return node == no_node ? no_node : new_index[node];
     };
 
     for (NodeId i = 0; i < form.size(); ++i) {
         const TapeNode& n = form[i];
-        NodeId& new_node = new_index[static_cast<std::size_t>(i)];
+        NodeId& new_node = new_index[i];
         if (n.op == TapeOp::input) {
             const auto k = static_cast<std::size_t>(n.operands[0]);
             new_node = k < inputs.size() ? inputs[k] : target.add_input(form.format_of(i), n.value);

@@ -98,9 +98,9 @@ private:
 
         // A form without near and far has t for both.
         const auto number_at = [&](NodeId root) {
-            return numbers_[index_in_kind_[static_cast<std::size_t>(root == no_node ? formula_.t : root)]];
+            return numbers_[index_in_kind_[root == no_node ? formula_.t : root]];
         };
-        return {masks_[index_in_kind_[static_cast<std::size_t>(formula_.hit)]], number_at(formula_.t),
+        return {masks_[index_in_kind_[formula_.hit]], number_at(formula_.t),
                 number_at(formula_.near), number_at(formula_.far)};
     }
 
@@ -125,10 +125,10 @@ private:
     }
     template <class N>
     const N& x(const std::vector<N>& numbers, const WrittenOperation& w, std::size_t k) const {
-        return numbers[index_in_kind_[static_cast<std::size_t>(w.operands[k])]];
+        return numbers[index_in_kind_[w.operands[k]]];
     }
     mask_t<T> m(const WrittenOperation& w, std::size_t k) const {
-        return masks_[index_in_kind_[static_cast<std::size_t>(w.operands[k])]];
+        return masks_[index_in_kind_[w.operands[k]]];
     }
     template <class N, class Input>
     N number(const std::vector<N>& numbers, const WrittenOperation& w, const Input& input) const {
@@ -143,7 +143,7 @@ private:
             case TapeOp::constant:
                 if constexpr (std::is_same_v<N, T>)
                     if (!constants_.empty())
-                        return constants_[static_cast<std::size_t>(&w - formula_.operations.data())];
+                        return constants_[&w - formula_.operations.data()];
                 return constant<N>(w.value);
 
             // Arithmetic. The same operand twice is a square, which enclosures bound more tightly.
@@ -184,7 +184,7 @@ private:
             case TapeOp::logical_not: return !m(w, 0);
             default: break;
         }
-        const bool wide = formula_.operations[static_cast<std::size_t>(w.operands[0])].wide;
+        const bool wide = formula_.operations[w.operands[0]].wide;
         return wide ? comparison(wide_, w) : comparison(numbers_, w);
     }
 
@@ -308,14 +308,14 @@ void require_valid_operands(const WrittenFormula& f, std::size_t i) {
         const std::int32_t a = w.operands[k];
         if (a < 0 || static_cast<std::size_t>(a) >= i)
             fail_operation(f, i, "takes operation " + std::to_string(a) + ", which does not come before it");
-        if (is_decision(f.operations[static_cast<std::size_t>(a)].op) != takes_decision(w.op, k))
+        if (is_decision(f.operations[a].op) != takes_decision(w.op, k))
             fail_operation(f, i,
                            takes_decision(w.op, k) ? "takes a number where it needs a decision"
                                                    : "takes a decision where it needs a number");
         if (takes_decision(w.op, k)) continue;
 
         // Only a conversion takes numbers of another format than its own; the numbers of a comparison share one.
-        const bool is_wide = f.operations[static_cast<std::size_t>(a)].wide;
+        const bool is_wide = f.operations[a].wide;
         if (is_comparison(w.op) && k == 0) first_is_wide = is_wide;
         const bool has_right_format =
             is_comparison(w.op) ? is_wide == first_is_wide : (is_wide == w.wide) != (w.op == TapeOp::convert);
@@ -327,7 +327,7 @@ void require_valid_operands(const WrittenFormula& f, std::size_t i) {
 void require_valid_answers(const WrittenFormula& f) {
     const auto is_index_of = [&f](NodeId i, bool of_decision) {
         return i >= 0 && static_cast<std::size_t>(i) < f.operations.size() &&
-               is_decision(f.operations[static_cast<std::size_t>(i)].op) == of_decision;
+               is_decision(f.operations[i].op) == of_decision;
     };
     if (!is_index_of(f.hit, true)) throw InputError(f.name + ": hit is not the index of a decision");
     if (!is_index_of(f.t, false)) throw InputError(f.name + ": t is not the index of a number");
@@ -335,7 +335,7 @@ void require_valid_answers(const WrittenFormula& f) {
         if (i != no_node && !is_index_of(i, false))
             throw InputError(f.name + ": near or far is not the index of a number");
     for (const NodeId i : {f.t, f.near, f.far})
-        if (i != no_node && f.operations[static_cast<std::size_t>(i)].wide)
+        if (i != no_node && f.operations[i].wide)
             throw InputError(f.name + ": an answer is of the wider format; convert it first");
 }
 
@@ -368,7 +368,7 @@ WrittenFormula formula_from_tape(const Tape& tape, Shape shape, std::string name
                                       .label = std::string(n.label),
                                       .wide = !is_decision(n.op) && n.format != own_format});
     for (const NodeId decision : tape.branch_decisions)
-        formula.operations[static_cast<std::size_t>(decision)].has_sides = true;
+        formula.operations[decision].has_sides = true;
     formula.hit = tape.outputs.hit;
     formula.t = tape.outputs.t;
     formula.near = tape.outputs.near;

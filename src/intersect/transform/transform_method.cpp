@@ -126,8 +126,8 @@ void transform_batch_to_object(const MatrixPair<T>& maps, const RayBatch<S>& ray
         const ObjectRay<T> object_ray = Method::finish(
             maps, world.origin, Ray<T>{Method::origin(maps, world.origin), Method::direction(maps, world.direction)});
         for (int k = 0; k < 3; ++k) {
-            columns.ray[static_cast<std::size_t>(k)][i] = to_stored<S>(object_ray.ray.origin[k]);
-            columns.ray[static_cast<std::size_t>(k + 3)][i] = to_stored<S>(object_ray.ray.direction[k]);
+            columns.ray[k][i] = to_stored<S>(object_ray.ray.origin[k]);
+            columns.ray[k + 3][i] = to_stored<S>(object_ray.ray.direction[k]);
         }
         columns.length[i] = to_stored<S>(object_ray.length);
         columns.scale = to_stored<S>(object_ray.scale);

@@ -93,7 +93,7 @@ private:
                                                      band_answers_.convention);
     }
     [[nodiscard]] Primitive<double> triangle(std::int32_t primitive) const {
-        return band_answers_.inputs.primitives[static_cast<std::size_t>(primitive)];
+        return band_answers_.inputs.primitives[primitive];
     }
     [[nodiscard]] CrossedTriangle crossed_triangle(std::int32_t primitive) const {
         return {primitive, truth_at(primitive), facing(primitive)};

@@ -103,7 +103,7 @@ void apply_given_ranges(InputBox& box, const RangesRequest& request, const std::
         if (found == names.end())
             throw InputError(fmt::format("--input-range {}: {} has no input of that name; {}", given_range.name,
                                          request.form->info->name, text::did_you_mean(given_range.name, names)));
-        box[static_cast<std::size_t>(found - names.begin())] = {
+        box[found - names.begin()] = {
             rounding::to_format(given_range.range.low, 0, request.format.parameters),
             rounding::to_format(given_range.range.high, 0, request.format.parameters)};
     }

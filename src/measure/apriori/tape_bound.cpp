@@ -140,7 +140,7 @@ private:
 /// unknown.
 std::optional<std::vector<Interval>> slopes_of_t(const Tape& tape, const std::vector<EnclosedNode>& nodes) {
     std::vector<Interval> slope(nodes.size());
-    slope[static_cast<std::size_t>(tape.outputs.t)] = Interval(1);
+    slope[tape.outputs.t] = Interval(1);
     for (NodeId i = tape.outputs.t; i >= 0; --i) {
         const auto index = static_cast<std::size_t>(i);
         if (is_decision(tape[i].op) || is_zero(slope[index])) continue;
@@ -149,7 +149,7 @@ std::optional<std::vector<Interval>> slopes_of_t(const Tape& tape, const std::ve
         const auto operands = tape.operands_of(i);
         for (std::size_t k = 0; k < operands.size(); ++k) {
             if (is_decision(tape[operands[k]].op) || is_zero(nodes[index].quotients[k])) continue;
-            Interval& sum = slope[static_cast<std::size_t>(operands[k])];
+            Interval& sum = slope[operands[k]];
             sum = sum + slope[index] * nodes[index].quotients[k];
         }
     }
@@ -158,10 +158,10 @@ std::optional<std::vector<Interval>> slopes_of_t(const Tape& tape, const std::ve
 
 std::vector<bool> nodes_of_answer(const Tape& tape) {
     std::vector<bool> needed(tape.nodes.size());
-    for (const NodeId out : {tape.outputs.hit, tape.outputs.t}) needed.at(static_cast<std::size_t>(out)) = true;
+    for (const NodeId out : {tape.outputs.hit, tape.outputs.t}) needed.at(out) = true;
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
-        if (!needed[static_cast<std::size_t>(i)] || is_given(tape[i].op)) continue;
-        for (const NodeId operand : tape.operands_of(i)) needed[static_cast<std::size_t>(operand)] = true;
+        if (!needed[i] || is_given(tape[i].op)) continue;
+        for (const NodeId operand : tape.operands_of(i)) needed[operand] = true;
     }
     return needed;
 }
@@ -195,11 +195,11 @@ BoxBound TapeBound::bound_over(const InputBox& box) const {
     const Interval::Precision precision(interval_bits);
     const EnclosedTape enclosed(tape_, needed_, box);
     const auto& nodes = enclosed.nodes();
-    const EnclosedNode& hit = nodes[static_cast<std::size_t>(tape_.outputs.hit)];
+    const EnclosedNode& hit = nodes[tape_.outputs.hit];
     BoxBound bound;
     bound.misses = hit.exact_decision.is_no() || hit.computed_decision.is_no();
     bound.decides = !hit.exact_decision.is_unknown() && hit.exact_decision == hit.computed_decision;
-    const EnclosedNode& t = nodes[static_cast<std::size_t>(tape_.outputs.t)];
+    const EnclosedNode& t = nodes[tape_.outputs.t];
     if (bound.misses || !t.is_known) return bound;
     bound.min_t = lower_magnitude(t.exact);
     const auto slope = slopes_of_t(tape_, nodes);
@@ -266,15 +266,15 @@ void BoxSubdivision::halve(std::span<const std::size_t> parts_to_halve, const Ta
     for (const std::size_t i : parts_to_halve) {
         SubBox& p = parts_[i];
         p.axis = axis_to_halve(p.box, parts_.front().box);
-        InputRange& range = p.box[static_cast<std::size_t>(p.axis)];
+        InputRange& range = p.box[p.axis];
         p.middle = range.low / 2 + range.high / 2;
 
         p.lower_half = parts_.size();
         SubBox lower = p, upper = p;
         lower.axis = upper.axis = -1;
         lower.volume_fraction = upper.volume_fraction = p.volume_fraction / 2;
-        lower.box[static_cast<std::size_t>(p.axis)].high = p.middle;
-        upper.box[static_cast<std::size_t>(p.axis)].low = p.middle;
+        lower.box[p.axis].high = p.middle;
+        upper.box[p.axis].low = p.middle;
         parts_.push_back(std::move(lower));
         parts_.push_back(std::move(upper));
     }
@@ -292,7 +292,7 @@ void BoxSubdivision::halve(std::span<const std::size_t> parts_to_halve, const Ta
 
 const SubBox& BoxSubdivision::part_of(std::span<const double> inputs) const {
     const SubBox* p = &parts_.front();
-    while (p->is_halved()) p = &parts_[p->lower_half + (inputs[static_cast<std::size_t>(p->axis)] > p->middle ? 1 : 0)];
+    while (p->is_halved()) p = &parts_[p->lower_half + (inputs[p->axis] > p->middle ? 1 : 0)];
     return *p;
 }
 

@@ -49,8 +49,8 @@ public:
     }
 
 private:
-    OperationError& error_of(NodeId i) { return attribution_.errors[static_cast<std::size_t>(i)]; }
-    Number& exact(NodeId i) { return exact_[static_cast<std::size_t>(i)]; }
+    OperationError& error_of(NodeId i) { return attribution_.errors[i]; }
+    Number& exact(NodeId i) { return exact_[i]; }
     [[nodiscard]] double computed(NodeId i) const { return tape_[i].value; }
     bool is_true(NodeId i) { return error_of(i).exact != 0; }
 

@@ -56,7 +56,7 @@ struct Attribution {
     /// The other live operations that contribute as much as the culprit, with the same sign or the opposite one.
     std::vector<NodeId> equal_culprits;
 
-    [[nodiscard]] const OperationError& operator[](NodeId i) const { return errors[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const OperationError& operator[](NodeId i) const { return errors[i]; }
 };
 
 struct AttributionDepth {

@@ -37,11 +37,11 @@ std::vector<std::string_view> leading_labels(const Tape& tape) {
     std::vector<std::string_view> labels(tape.nodes.size());
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
         const TapeNode& n = tape[i];
-        if (!n.label.empty()) labels[static_cast<std::size_t>(i)] = n.label;
+        if (!n.label.empty()) labels[i] = n.label;
         // Users come later on the tape. The earliest of them is visited last, so its label stays.
         for (const NodeId operand : tape.operands_of(i)) {
             if (tape[operand].label.empty() && !is_decision(n.op))
-                labels[static_cast<std::size_t>(operand)] = labels[static_cast<std::size_t>(i)];
+                labels[operand] = labels[i];
         }
     }
     return labels;
@@ -218,7 +218,7 @@ RayAttribution Attributor::attribute_ray(const Ray<double>& ray, const Target<do
         return result;
     }
     const auto all_names = [&] { return names.empty() ? names_without_range() : names; };
-    const std::int32_t category = categories_of_nodes(all_names)[static_cast<std::size_t>(attribution_.culprit)];
+    const std::int32_t category = categories_of_nodes(all_names)[attribution_.culprit];
     if (category >= 0) result.culprit = category;
     return result;
 }

@@ -313,7 +313,7 @@ double Explanation::ulp_of_subject() const {
 NodeId Explanation::amplifier(NodeId from) const {
     if (from == no_node) return no_node;
     std::vector<bool> is_reached(tape.nodes.size());
-    is_reached[static_cast<std::size_t>(from)] = true;
+    is_reached[from] = true;
 
     NodeId largest = no_node;
     int bits = 1;
@@ -322,9 +322,9 @@ NodeId Explanation::amplifier(NodeId from) const {
         if (!e.is_live) continue;
 
         for (const NodeId operand : tape.operands_of(i)) {
-            if (is_reached[static_cast<std::size_t>(operand)]) is_reached[static_cast<std::size_t>(i)] = true;
+            if (is_reached[operand]) is_reached[i] = true;
         }
-        if (is_reached[static_cast<std::size_t>(i)] && e.operands_have_error && e.cancelled_bits > bits) {
+        if (is_reached[i] && e.operands_have_error && e.cancelled_bits > bits) {
             largest = i;
             bits = e.cancelled_bits;
         }
@@ -380,7 +380,7 @@ void explain_external(Explanation& explanation, const OneRay& ray, const OneRay:
     const Intersector& form = *explanation.form;
     explanation.input_names = intersect::bounding_box::names_on_tape(form, target);
     explanation.input_values = tape::inputs_of(
-        in.ray(*form.info), in.format_inputs.primitives[static_cast<std::size_t>(explanation.primitive_index)],
+        in.ray(*form.info), in.format_inputs.primitives[explanation.primitive_index],
         explanation.range.tmax);
     if (!explanation.range.is_whole()) {
         explanation.input_names.emplace_back("ray.tmin");

@@ -141,7 +141,7 @@ ErrorFactors error_factors_of(const TapeNode& n, const std::array<OperandError, 
         case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {
             ErrorFactors q;
-            q[static_cast<std::size_t>(std::ranges::find(n.operands, chosen) - n.operands.begin())] = 1;
+            q[std::ranges::find(n.operands, chosen) - n.operands.begin()] = 1;
             return q;
         }
         case OperationKind::called:

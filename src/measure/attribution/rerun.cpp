@@ -28,13 +28,13 @@ public:
     ExactRun(const ExactRun& base, const ExactRun& other, NodeId operation) : ExactRun(base) {
         std::vector<bool> is_changed(values_.size());
         for (NodeId i = operation; i < tape_.size(); ++i) {
-            const auto has_changed = [&](NodeId operand) { return is_changed[static_cast<std::size_t>(operand)]; };
+            const auto has_changed = [&](NodeId operand) { return is_changed[operand]; };
             if (i != operation && std::ranges::none_of(tape_.operands_of(i), has_changed)) continue;
-            is_changed[static_cast<std::size_t>(i)] = true;
-            values_[static_cast<std::size_t>(i)] = result(i, i == operation ? other : *this);
+            is_changed[i] = true;
+            values_[i] = result(i, i == operation ? other : *this);
         }
     }
-    [[nodiscard]] const Number& value(NodeId i) const { return values_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const Number& value(NodeId i) const { return values_[i]; }
 
 private:
     struct Decider {

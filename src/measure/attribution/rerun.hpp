@@ -15,7 +15,7 @@ struct Rerun {
     std::vector<double> values;  ///< one for each node, to the nearest double; decisions are 1 or 0
 
     Rerun(const Tape& tape, const std::function<bool(NodeId)>& is_rounded);
-    [[nodiscard]] double operator[](NodeId i) const { return values[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] double operator[](NodeId i) const { return values[i]; }
 };
 
 /// Answer of a run in which one operation is treated differently from all others. An attribution divides the error of

@@ -49,7 +49,7 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, TextStyle 
       dot_of_part_(tape.nodes.size(), no_node) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         if (tape[i].op == TapeOp::input)
-            names_[static_cast<std::size_t>(i)] = inputs_.at(static_cast<std::size_t>(tape[i].operands[0]));
+            names_[i] = inputs_.at(tape[i].operands[0]);
     }
     for (NodeId i = 0; i < tape.size(); ++i) {
         Dot dot;
@@ -59,7 +59,7 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, TextStyle 
         const TapeNode& last = tape[i];
         const TapeNode& first = tape[last.operands[0]];
         for (const NodeId part : {i, last.operands[0], last.operands[1], first.operands[0], first.operands[1]})
-            dot_of_part_[static_cast<std::size_t>(part)] = i;
+            dot_of_part_[part] = i;
     }
     if (style == TextStyle::pretty) find_numbers();
     name_all_nodes();
@@ -77,14 +77,14 @@ void TapeText::find_numbers() {
     std::vector<Number> numbers(tape_.nodes.size());
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const TapeNode& n = tape_[i];
-        Number& number = numbers[static_cast<std::size_t>(i)];
+        Number& number = numbers[i];
         if (n.op == TapeOp::constant) {
             number = {true, n.operands[0] >= min_piece, static_cast<double>(n.operands[0])};
             continue;
         }
 
         // Computes negations, sums, products and quotients of known numbers.
-        const auto side = [&](std::size_t k) { return numbers[static_cast<std::size_t>(n.operands[k])]; };
+        const auto side = [&](std::size_t k) { return numbers[n.operands[k]]; };
         if (n.op == TapeOp::neg) {
             number = side(0);
             number.value = -number.value;
@@ -98,7 +98,7 @@ void TapeText::find_numbers() {
 
         if (!number.is_known || !number.has_piece || !std::isfinite(number.value)) continue;
         const auto narrow = static_cast<float>(number.value);
-        number_texts_[static_cast<std::size_t>(i)] =
+        number_texts_[i] =
             narrow == number.value ? fmt::format("{}", narrow) : fmt::format("{}", number.value);
     }
 }
@@ -129,12 +129,12 @@ bool TapeText::find_dot(NodeId i, Dot& dot) const {
 void TapeText::name_vector(const Triple& v) {
     if (tape_[v[0]].op == TapeOp::input || vectors_.contains(v)) return;
     if (std::ranges::any_of(
-            v, [&](NodeId i) { return !names_[static_cast<std::size_t>(i)].empty() || !tape_[i].label.empty(); }))
+            v, [&](NodeId i) { return !names_[i].empty() || !tape_[i].label.empty(); }))
         return;
     std::string base = "v";
     if (style_ != TextStyle::generic) base += std::to_string(vectors_.size() + 1);
     vectors_.emplace(v, base);
-    for (std::size_t k = 0; k < 3; ++k) names_[static_cast<std::size_t>(v[k])] = base + "." + "xyz"[k];
+    for (std::size_t k = 0; k < 3; ++k) names_[v[k]] = base + "." + "xyz"[k];
 }
 
 void TapeText::name_all_nodes() {
@@ -142,9 +142,9 @@ void TapeText::name_all_nodes() {
     for (const std::string& input : inputs_) ++use_counts[input];
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const TapeNode& n = tape_[i];
-        std::string& name = names_[static_cast<std::size_t>(i)];
+        std::string& name = names_[i];
         if (n.op == TapeOp::constant) name = std::to_string(n.operands[0]);
-        else if (n.label.empty() && is_number(i)) name = number_texts_[static_cast<std::size_t>(i)];
+        else if (n.label.empty() && is_number(i)) name = number_texts_[i];
         else if (!n.label.empty()) {
             name = n.label;
             if (const int use_count = ++use_counts[name]; use_count > 1 && style_ != TextStyle::generic) {
@@ -232,14 +232,14 @@ std::string TapeText::write_out(NodeId i) const {
 }
 
 const std::string& TapeText::expression(NodeId i) const {
-    std::string& text = expressions_[static_cast<std::size_t>(i)];
+    std::string& text = expressions_[i];
     if (text.empty()) text = compose(i);
     return text;
 }
 
 std::string TapeText::compose(NodeId i) const {
     if (is_given(tape_[i].op)) return name(i);
-    if (is_number(i)) return number_texts_[static_cast<std::size_t>(i)];
+    if (is_number(i)) return number_texts_[i];
     Dot dot;
     if (!find_dot(i, dot)) return write_out(i);
     if (style_ == TextStyle::pretty) return vector_text(dot.a, false) + "·" + vector_text(dot.b, false);
@@ -257,7 +257,7 @@ std::string TapeText::category(NodeId i) const {
     // A label with spaces names a stretch of many operations (`Part`) and stands for all of them.
     const std::string_view label = tape_[i].label;
     if (label.find(' ') != std::string_view::npos) return std::string(label);
-    const NodeId dot = dot_of_part_[static_cast<std::size_t>(i)];
+    const NodeId dot = dot_of_part_[i];
     const bool is_part = dot != no_node && dot != i;
     std::string text = is_part && tape_[i].op == TapeOp::add ? expression(dot) + ", its sums" : definition(i);
     // One axis stands for all three, and the first round of a loop for all rounds.

@@ -23,7 +23,7 @@ public:
     TapeText(const Tape& tape, std::vector<std::string> inputs, TextStyle style);
 
     /// Unique on the tape: `c`, `v1.x`, `s12`, an input's name, a constant's digits.
-    [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const std::string& name(NodeId i) const { return names_[i]; }
     /// The name as a C identifier; for a constant, its digits.
     [[nodiscard]] std::string identifier(NodeId i) const;
     /// The right-hand side of the definition of node i: `dot(o - centre, o - centre) - radius*radius`.
@@ -37,7 +37,7 @@ public:
     [[nodiscard]] std::string category(NodeId i) const;
     /// True for an operation that only builds a number of a user's file, such as 1e-6, from integers: the pretty style
     /// writes the number.
-    [[nodiscard]] bool is_number(NodeId i) const { return !number_texts_[static_cast<std::size_t>(i)].empty(); }
+    [[nodiscard]] bool is_number(NodeId i) const { return !number_texts_[i].empty(); }
 
 private:
     using Triple = std::array<NodeId, 3>;

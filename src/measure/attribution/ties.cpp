@@ -43,7 +43,7 @@ public:
 
 private:
     static constexpr int unnumbered = -1;
-    static int& element(std::vector<int>& values, NodeId i) { return values[static_cast<std::size_t>(i)]; }
+    static int& element(std::vector<int>& values, NodeId i) { return values[i]; }
 
     /// Numbers the nodes from the answer down, operands from left to right. Not recursive: a march is thousands of
     /// operations deep.
@@ -123,13 +123,13 @@ std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& attr
 
 bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i, NodeId from) {
     std::vector<bool> is_reached(tape.nodes.size());
-    const auto mark = [&](NodeId k) { is_reached[static_cast<std::size_t>(k)] = true; };
+    const auto mark = [&](NodeId k) { is_reached[k] = true; };
     mark(i);
     for (; i > from; --i) {
-        if (is_reached[static_cast<std::size_t>(i)] && attribution[i].is_live)
+        if (is_reached[i] && attribution[i].is_live)
             for_each_source(tape, attribution, i, mark);
     }
-    return is_reached[static_cast<std::size_t>(from)];
+    return is_reached[from];
 }
 
 }  // namespace lostbits::measure::attribution

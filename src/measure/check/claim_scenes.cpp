@@ -34,7 +34,7 @@ double march_value(const Claim& claim, int step, const scene::file::Scene& scene
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
     if (claim.metric == "end") return log.hit.t;
     if (static_cast<std::size_t>(step) >= log.steps.size()) return missing;
-    const intersect::MarchStep& march_step = log.steps[static_cast<std::size_t>(step)];
+    const intersect::MarchStep& march_step = log.steps[step];
     const std::map<std::string, double> columns{{"t", march_step.t},         {"x", march_step.p.x},
                                                 {"y", march_step.p.y},       {"z", march_step.p.z},
                                                 {"length", march_step.size}, {"d", march_step.d}};

@@ -68,7 +68,7 @@ std::vector<Format> formats_of(const std::vector<TestedForm>& tested_forms) {
 std::vector<std::uint64_t> counts_of(const std::vector<int>& indices, std::size_t index_count) {
     std::vector<std::uint64_t> counts(index_count);
     for (const int index : indices) {
-        if (index >= 0) ++counts[static_cast<std::size_t>(index)];
+        if (index >= 0) ++counts[index];
     }
     return counts;
 }
@@ -80,7 +80,7 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_f
     std::vector<std::vector<RankedForm>> forms_by_format(map.formats.size());
     for (std::size_t k = 0; k < tested_forms.size(); ++k) {
         const auto index = std::ranges::find(map.formats, computing_format(tested_forms[k])) - map.formats.begin();
-        forms_by_format[static_cast<std::size_t>(index)].push_back({met_pixels[k], static_cast<int>(index)});
+        forms_by_format[index].push_back({met_pixels[k], static_cast<int>(index)});
     }
 
     // At each pixel, the first format in which any form meets the requirement is the narrowest.

@@ -167,7 +167,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
         (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.transform));
 
     void (*const residuals)(RawResiduals&) =
-        raw_kernels ? raw_kernels->residuals[static_cast<std::size_t>(shape)] : nullptr;
+        raw_kernels ? raw_kernels->residuals[shape] : nullptr;
     if (!residuals || points.engine == Format::Engine::rounded || !has_one_shape) {
         leave_all_to_scalar(answers, {out}, unhandled);
         return;

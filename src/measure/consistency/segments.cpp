@@ -39,7 +39,7 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;
     std::optional<int> side = truth::compare(ray_truth.t, truth::as_certified(end));
-    if (*side == 0) side = side_of_end(ray, primitives[static_cast<std::size_t>(ray_truth.primitive)], end);
+    if (*side == 0) side = side_of_end(ray, primitives[ray_truth.primitive], end);
     if (!side) return Truth::Decision::unresolved;
     return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }

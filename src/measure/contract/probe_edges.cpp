@@ -183,7 +183,7 @@ double move_by_ulps(double x, int bits, rays::Random& random) {
 using EdgeEnds = std::array<std::uint32_t, 2>;
 
 EdgeEnds draw_edge(const Mesh& mesh, rays::Random& random) {
-    const Face& face = mesh.faces[static_cast<std::size_t>(random.below(static_cast<int>(mesh.faces.size())))];
+    const Face& face = mesh.faces[random.below(static_cast<int>(mesh.faces.size()))];
     const auto k = static_cast<std::size_t>(random.below(3));
     return {face[k], face[(k + 1) % 3]};
 }

@@ -160,7 +160,7 @@ void try_inside(Trial& trial) {
     }
 
     // For the near root alone, the table reads a near root behind the ray as a miss.
-    const std::string text = std::string("a ray from inside ") + answer_texts[static_cast<std::size_t>(answer)];
+    const std::string text = std::string("a ray from inside ") + answer_texts[answer];
     const bool are_both_misses = contract.roots == Roots::near_only &&
                                  (answer == RightAnswer::near || answer == RightAnswer::miss) &&
                                  (stated_answer == RightAnswer::near || stated_answer == RightAnswer::miss);
@@ -334,7 +334,7 @@ void try_at_origin(Trial& trial) {
         intersect::external::Contract other = trial.contract;
         other.at_origin = property;
         if (is_consistent(other) && are_all_right(trial, rays, other))
-            return trial.report_broken(behaviour + "; say " + at_origin_texts[static_cast<std::size_t>(property)]);
+            return trial.report_broken(behaviour + "; say " + at_origin_texts[property]);
     }
     for (const RayFromSurface& r : rays) {
         if (is_right_from_surface(trial, r, trial.contract)) continue;

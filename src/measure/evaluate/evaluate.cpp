@@ -59,7 +59,7 @@ FormSummary::FormSummary(const std::vector<const Metric*>& measured) : metrics(m
 void FormSummary::add(std::size_t m, const Metric& metric, std::span<const double> values) {
     if (metric.categories.empty()) return metrics[m].add(values);
     for (const double value : values) {
-        if (!std::isnan(value)) ++categories[m][static_cast<std::size_t>(value)];
+        if (!std::isnan(value)) ++categories[m][value];
     }
 }
 
@@ -93,7 +93,7 @@ std::optional<Outcome> FormSummary::most_frequent_wrong_decision() const {
 }
 
 const WorstRay* FormSummary::first_of(Outcome wrong) const {
-    return faults[static_cast<std::size_t>(std::ranges::find(wrong_decisions, wrong) - wrong_decisions.begin())].get();
+    return faults[std::ranges::find(wrong_decisions, wrong) - wrong_decisions.begin()].get();
 }
 
 const WorstRay* FormSummary::first_fault() const {

@@ -73,7 +73,7 @@ private:
     [[nodiscard]] double* column_of(ColumnKernel kind) const {
         const auto found = std::ranges::find(metrics_, kind, &Metric::column_kernel);
         return found == metrics_.end() ? nullptr
-                                       : result_.metrics[static_cast<std::size_t>(found - metrics_.begin())].data();
+                                       : result_.metrics[found - metrics_.begin()].data();
     }
 
     /// Computes the metrics that have a column kernel: most rays in columns, the remaining ones one by one.
@@ -296,7 +296,7 @@ private:
 
     /// The primitive that the form hit.
     [[nodiscard]] Primitive<double> primitive_of(std::size_t i) const {
-        return result_.inputs->primitives[static_cast<std::size_t>(result_.answers->object[i])];
+        return result_.inputs->primitives[result_.answers->object[i]];
     }
 
     template <class Which>

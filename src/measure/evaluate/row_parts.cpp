@@ -64,7 +64,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
 
     // The levels of the boxes around the primitive that the ray truly meets.
     if ((needs & metric::needs_levels) && true_primitive >= 0) {
-        const Primitive<double> hit_primitive = inputs.primitives[static_cast<std::size_t>(true_primitive)];
+        const Primitive<double> hit_primitive = inputs.primitives[true_primitive];
         const intersect::table::Intersector& part_form = form.form_for(hit_primitive.shape);
         if (intersect::bounding_box::has_box(part_form))
             levels_ = answer::find_lost_level(part_form, tested_form.format, ray, hit_primitive, rays.range(i));
@@ -124,7 +124,7 @@ void RowSums::add(const RaySubset& part) const {
     double largest = summary.worst.size;
     summary.rays += part.rays.size();
     for (const std::uint32_t i : part.rays) {
-        ++summary.outcomes[static_cast<std::size_t>(result_.outcomes[i])];
+        ++summary.outcomes[result_.outcomes[i]];
         summary.true_hits += static_cast<std::uint64_t>(truth_.decision[i] == Truth::Decision::hit);
         if (!(std::fabs(ulps_[i]) > largest)) continue;
         worst_index = i;

@@ -36,7 +36,7 @@ enum class Shown { always, for_meshes, in_claims };
 Columns outcome_columns() {
     Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return to_double(s.rays); }}};
     const auto add_count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
-        columns.push_back({.name = std::string(answer::outcome_names[static_cast<std::size_t>(o)]),
+        columns.push_back({.name = std::string(answer::outcome_names[o]),
                            .kind = Kind::count,
                            .unit = "",
                            .meaning = meaning,
@@ -163,7 +163,7 @@ void add_both_hit(std::size_t m, Columns& columns) {
                            std::uint64_t both_hit = 0;
                            for (const AgainstOutcome a :
                                 {AgainstOutcome::same_t, AgainstOutcome::other_t, AgainstOutcome::incomparable_t})
-                               both_hit += counts[static_cast<std::size_t>(a)];
+                               both_hit += counts[a];
                            return to_double(both_hit);
                        }});
 }
@@ -281,7 +281,7 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
                     const auto name_position = std::ranges::find(own_names, name);
                     return name_position == own_names.end()
                                ? missing
-                               : w.primitive.numbers[static_cast<std::size_t>(name_position - own_names.begin())];
+                               : w.primitive.numbers[name_position - own_names.begin()];
                 }));
     }
     return columns;

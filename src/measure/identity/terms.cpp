@@ -65,14 +65,14 @@ Triple Terms::cross(const Triple& a, const Triple& b) {
 }
 
 NodeId Terms::meaning(NodeId i) const {
-    while (meaning_[static_cast<std::size_t>(i)] != i) i = meaning_[static_cast<std::size_t>(i)];
+    while (meaning_[i] != i) i = meaning_[i];
     return i;
 }
 
 void Terms::unite(NodeId a, NodeId b) {
     a = meaning(a);
     b = meaning(b);
-    meaning_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    meaning_[std::max(a, b)] = std::min(a, b);
 }
 
 std::optional<std::pair<Triple, Triple>> Terms::factors_of(NodeId i) const {
@@ -188,7 +188,7 @@ Triple direction_of(const Terms& terms) {
     Triple d{};
     for (NodeId i = 0; i < terms.size(); ++i)
         if (const TapeNode& n = terms[i]; n.op == TapeOp::input && n.operands[0] >= 3 && n.operands[0] < 6)
-            d[static_cast<std::size_t>(n.operands[0] - 3)] = i;
+            d[n.operands[0] - 3] = i;
     return d;
 }
 

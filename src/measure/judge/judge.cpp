@@ -300,7 +300,7 @@ private:
 
             const int primitive = ray_truth.is_hit() ? ray_truth.primitive : piece.answers.object[i];
             result_.first_samples.push_back(contract::answer_sample(
-                inputs.rays_for(*tested_form.form->info)[i], inputs.primitives[static_cast<std::size_t>(primitive)],
+                inputs.rays_for(*tested_form.form->info)[i], inputs.primitives[primitive],
                 ray_truth, tested_form, hit, piece.answers.t[i]));
         }
     }

@@ -80,7 +80,7 @@ E relative_distance(const Vec<double>& p, const Primitive<double>& primitive) {
 double residual_of(const Vec<double>& p, const Primitive<double>& primitive) {
     return visit(primitive, [&]<template <class> class S>(const S<double>&) {
         const double point[] = {p.x, p.y, p.z};
-        const auto coordinate = [&primitive](int k) { return primitive.numbers[static_cast<std::size_t>(k)]; };
+        const auto coordinate = [&primitive](int k) { return primitive.numbers[k]; };
         if (double fast_result; !primitive.transform && columns::find_residual<S>(point, coordinate, fast_result))
             return fast_result;
         return evaluate_enclosed([&]<class E>() { return relative_distance<E, S>(p, primitive); });

@@ -254,7 +254,7 @@ double Distribution::quantile(double q) const {
     const auto found = std::ranges::find(quantile_statistics, q, &Statistic::q);
     if (found == quantile_statistics.end())
         throw std::logic_error("a sealed distribution has only the quantiles that tables show");
-    return sealed_quantiles_[static_cast<std::size_t>(found - quantile_statistics.begin())];
+    return sealed_quantiles_[found - quantile_statistics.begin()];
 }
 
 Bounds Distribution::p99_bounds() const {

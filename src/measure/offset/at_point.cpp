@@ -181,13 +181,13 @@ private:
                                                                 strategy_input_.normal, infinite_distance, light)) {
             const Side side = departure.side_sign > T(0) ? Side::outside : Side::inside;
             if (is_finite(as_doubles(departure.new_direction)))
-                departures_[static_cast<std::size_t>(side)].push_back(departure);
+                departures_[side].push_back(departure);
         }
     }
     /// Finds the far side ahead of each ray, and along the normal.
     void find_far_sides() {
         for (const Side side : both_sides) {
-            FarSides& sides = far_sides_[static_cast<std::size_t>(side)];
+            FarSides& sides = far_sides_[side];
             sides.along_normal = far_side_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
             for (const Departure<T>& departure : departures(side))
                 sides.along_rays.push_back(far_side_ahead(side, as_doubles(departure.new_direction)));
@@ -246,10 +246,10 @@ private:
         strategy_input.object_point = object_point;
     }
     [[nodiscard]] const std::vector<Departure<T>>& departures(Side side) const {
-        return departures_[static_cast<std::size_t>(side)];
+        return departures_[side];
     }
     [[nodiscard]] const Primitive<double>& departed_primitive() const { return departed_primitive_; }
-    [[nodiscard]] const FarSides& far_sides_of(Side side) const { return far_sides_[static_cast<std::size_t>(side)]; }
+    [[nodiscard]] const FarSides& far_sides_of(Side side) const { return far_sides_[side]; }
     /// True if rays to a side go into the primitive. If the primitive has no inside, rays to both sides go away from
     /// it.
     [[nodiscard]] bool enters(Side side) const {

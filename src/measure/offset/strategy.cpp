@@ -170,7 +170,7 @@ BoundedPoint<T> transform_point(const Affine<T>& m, const BoundedPoint<T>& b) {
     const T g = gamma_bound<T>(3);
     BoundedPoint<T> world_point{Vec<T>(T(0), T(0), T(0)), Vec<T>(T(0), T(0), T(0))};
     for (int i = 0; i < 3; ++i) {
-        const Vec<T>& a_row = m.rows[static_cast<std::size_t>(i)];
+        const Vec<T>& a_row = m.rows[i];
         const Vec<T> parts(a_row.x * b.p.x, a_row.y * b.p.y, a_row.z * b.p.z);
         world_point.p[i] = (parts.x + parts.y) + (parts.z + m.shift[i]);
         world_point.delta[i] =

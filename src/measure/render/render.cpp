@@ -109,7 +109,7 @@ public:
 private:
     [[nodiscard]] bool has_hit(std::size_t i) const { return answers_.hit[i] != 0; }
     [[nodiscard]] Primitive<double> hit_primitive(std::size_t i) const {
-        return inputs_.geometry.primitives[static_cast<std::size_t>(answers_.object[i])];
+        return inputs_.geometry.primitives[answers_.object[i]];
     }
     [[nodiscard]] bool takes_unit() const { return row_.form->info->direction == intersect::Direction::unit; }
 
@@ -223,15 +223,15 @@ private:
             if (has_hit(i) && std::isnan(answers_.t[i])) painted.colour = Vec<double>(missing, missing, missing);
             else painted.colour = as_doubles(has_hit(i) ? surface_colour<T>(rule, i) : background_colour<T>(rule, i));
 
-            const TrueColour& true_colour = true_pixels_[i].colours[static_cast<std::size_t>(stage)];
+            const TrueColour& true_colour = true_pixels_[i].colours[stage];
             painted.error = true_colour.is_certain ? 0 : missing;
             for (int k = 0; k < 3; ++k) {
-                const TwoPartNumber& true_channel = true_colour.channel[static_cast<std::size_t>(k)];
+                const TwoPartNumber& true_channel = true_colour.channel[k];
                 const double channel_error = 255 * std::fabs((painted.colour[k] - true_channel.hi) - true_channel.lo);
                 painted.error = std::isnan(channel_error) || std::isnan(painted.error)
                                     ? missing
                                     : std::max(painted.error, channel_error);
-                painted.byte[static_cast<std::size_t>(k)] = byte_of(painted.colour[k]);
+                painted.byte[k] = byte_of(painted.colour[k]);
             }
         });
     }
@@ -239,7 +239,7 @@ private:
     template <class T>
     [[nodiscard]] Vec<T> surface_colour(const ShadeRule& rule, std::size_t i) const {
         const Paint<T> sphere_paint =
-            lifted(inputs_.appearance.paints[static_cast<std::size_t>(answers_.object[i])], lift<T, double>);
+            lifted(inputs_.appearance.paints[answers_.object[i]], lift<T, double>);
         const Vec<T> p = lift_vec<T>(points_[i]);
         return shade<T>(sphere_paint, rule, blocker_bits_[i] != blocked_by_nothing,
                         {lift_vec<T>(normals_[i]), unit_of<T>(lift_vec<T>(inputs_.appearance.light) - p),

@@ -171,7 +171,7 @@ private:
         Vec<E> n = normal_at<E>(primitive.transform ? point_at<E>(query.ray, enclosed.t) : p, query.primitive);
         if (primitive.transform) n = normal_in_world<E>(n, *primitive.transform);
         pixel.has_normal = true;
-        for (int k = 0; k < 3; ++k) pixel.has_normal &= find_parts(n[k], pixel.normal[static_cast<std::size_t>(k)]);
+        for (int k = 0; k < 3; ++k) pixel.has_normal &= find_parts(n[k], pixel.normal[k]);
         bool is_proved = pixel.has_normal;
 
         // Directions to the light and to the eye, and the shadow

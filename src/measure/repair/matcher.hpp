@@ -53,7 +53,7 @@ public:
         for (const auto& [old_node, new_node] : replacements) values[old_node] = value_of_new(new_node);
         return shared_.values_of(old_tape_, values);
     }
-    [[nodiscard]] int value_of_new(NodeId new_node) const { return new_values_[static_cast<std::size_t>(new_node)]; }
+    [[nodiscard]] int value_of_new(NodeId new_node) const { return new_values_[new_node]; }
     [[nodiscard]] SharedNodes& shared() { return shared_; }
 
 private:
@@ -64,7 +64,7 @@ private:
         matched_pairs_.emplace_back(old_node, new_node);
 
         // The values may be equal already, from the start or by a replacement.
-        if (old_values_[static_cast<std::size_t>(old_node)] == value_of_new(new_node)) return true;
+        if (old_values_[old_node] == value_of_new(new_node)) return true;
         if (const auto found = replacements_.find(old_node); found != replacements_.end())
             return value_of_new(found->second) == value_of_new(new_node);
 
@@ -107,7 +107,7 @@ private:
     /// was replaced for another node.
     [[nodiscard]] NodeId find_wrong_node(const std::vector<int>& changed_values) const {
         for (const auto& [old_node, new_node] : matched_pairs_)
-            if (changed_values[static_cast<std::size_t>(old_node)] != value_of_new(new_node)) return old_node;
+            if (changed_values[old_node] != value_of_new(new_node)) return old_node;
         return no_node;
     }
     void forbid_below(NodeId wrong_node) {

@@ -96,20 +96,20 @@ public:
 private:
     [[nodiscard]] bool is_in_file(int place_index) const {
         if (place_index < 0) return false;
-        const SourcePlace& p = function_.places[static_cast<std::size_t>(place_index)];
+        const SourcePlace& p = function_.places[place_index];
         return p.file == function_.path && p.line > 0 && static_cast<std::size_t>(p.line) <= line_begins_.size();
     }
     /// Index of the place in the function itself from which the code at this place was called; −1 if that is not in the
     /// file.
     [[nodiscard]] int outermost_place(int place_index) const {
-        while (place_index >= 0 && is_in_file(function_.places[static_cast<std::size_t>(place_index)].caller))
-            place_index = function_.places[static_cast<std::size_t>(place_index)].caller;
+        while (place_index >= 0 && is_in_file(function_.places[place_index].caller))
+            place_index = function_.places[place_index].caller;
         return is_in_file(place_index) ? place_index : -1;
     }
     [[nodiscard]] std::size_t line_begin(int line) const {
         return line < 1 || static_cast<std::size_t>(line) > line_begins_.size()
                    ? text_.size()
-                   : line_begins_[static_cast<std::size_t>(line - 1)];
+                   : line_begins_[line - 1];
     }
 
     /// Finds where the text computes each node of the tape, and from which offset on a variable holds a node.
@@ -126,7 +126,7 @@ private:
             if (!is_in_file(place_index) || outermost_place(place_index) != place_index ||
                 tape_nodes[k] >= old_tape_.size() || is_given(old_tape_[tape_nodes[k]].op))
                 continue;
-            const SourcePlace& p = function_.places[static_cast<std::size_t>(place_index)];
+            const SourcePlace& p = function_.places[place_index];
             if (p.column > 0) nodes_by_position[{p.line, p.column}].push_back(tape_nodes[k]);
         }
 
@@ -144,12 +144,12 @@ private:
     void locate_variables(const std::vector<NodeId>& tape_nodes) {
         for (const NamedNumber& named_number : function_.names) {
             if (named_number.operation == no_node) continue;
-            const NodeId node = tape_nodes[static_cast<std::size_t>(named_number.operation)];
+            const NodeId node = tape_nodes[named_number.operation];
             const int place_index = outermost_place(named_number.place);
             if (place_index < 0 || node >= old_tape_.size()) continue;
 
             // The value may be assigned at the place itself, or where the variable is declared.
-            const int line = function_.places[static_cast<std::size_t>(place_index)].line;
+            const int line = function_.places[place_index].line;
             std::optional<TextSpan> value;
             for (const int first_line : {line, named_number.declaration_line})
                 if (!value && first_line > 0 && is_identifier(named_number.text))
@@ -368,7 +368,7 @@ void Patcher::Writer::add_visible_names(const std::map<NodeId, NodeId>& replacem
 
     // Variables hold nodes, from where they get their values on.
     for (const StoredNode& s : stored_nodes_)
-        visible_names_.push_back({s.begin, s.text, values[static_cast<std::size_t>(s.node)]});
+        visible_names_.push_back({s.begin, s.text, values[s.node]});
 }
 
 /// Returns the changes as a diff; empty if the changed file does not answer like the tape.

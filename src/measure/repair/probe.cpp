@@ -162,7 +162,7 @@ public:
             const TapeNode& n = tape_[i];
             std::vector<int> terms;
             std::vector<int> key{static_cast<int>(n.op), n.format};
-            if (n.op == TapeOp::input) key.push_back(inputs.at(static_cast<std::size_t>(n.operands[0])));
+            if (n.op == TapeOp::input) key.push_back(inputs.at(n.operands[0]));
             else if (n.op == TapeOp::constant) key.push_back(n.operands[0]);
             else if (n.op == TapeOp::call) key.insert(key.end(), {i, call_count_++});  // equal to nothing
             else if (n.op == TapeOp::add || n.op == TapeOp::sub || n.op == TapeOp::neg) {
@@ -186,7 +186,7 @@ private:
     /// Terms of a sum, a difference or a negation, sorted: 2 · the number of the term, + 1 if it is subtracted.
     static std::vector<int> sum_terms(const TapeNode& n, const std::vector<std::vector<int>>& terms_of_node) {
         const auto terms_of_operand = [&](std::size_t k) {
-            return terms_of_node[static_cast<std::size_t>(n.operands[k])];
+            return terms_of_node[n.operands[k]];
         };
         std::vector<int> terms = terms_of_operand(0);
         if (n.op == TapeOp::neg) negate(terms);
@@ -201,7 +201,7 @@ private:
     /// Adds the numbers of the operands of node i to its key, in one order if the operation commutes.
     void add_operands(std::vector<int>& key, NodeId i, const std::vector<int>& ids) const {
         const TapeOp op = tape_[i].op;
-        for (const NodeId operand : tape_.operands_of(i)) key.push_back(ids[static_cast<std::size_t>(operand)]);
+        for (const NodeId operand : tape_.operands_of(i)) key.push_back(ids[operand]);
         if (op == TapeOp::mul || op == TapeOp::fma || op == TapeOp::logical_and || op == TapeOp::logical_or)
             if (key[2] > key[3]) std::swap(key[2], key[3]);
         if (op == TapeOp::min || op == TapeOp::max) flatten(key);
@@ -234,10 +234,10 @@ class DisjointSets {
 public:
     explicit DisjointSets(std::size_t size) : parents_(size) { std::iota(parents_.begin(), parents_.end(), NodeId(0)); }
     NodeId root_of(NodeId i) {
-        NodeId& parent = parents_[static_cast<std::size_t>(i)];
+        NodeId& parent = parents_[i];
         return parent == i ? i : parent = root_of(parent);
     }
-    void merge(NodeId a, NodeId b) { parents_[static_cast<std::size_t>(root_of(a))] = root_of(b); }
+    void merge(NodeId a, NodeId b) { parents_[root_of(a)] = root_of(b); }
 
 private:
     std::vector<NodeId> parents_;
@@ -267,7 +267,7 @@ std::vector<std::vector<NodeId>> find_exchanged_groups(const Tape& tape, const s
     std::map<int, NodeId> first_with_id;
     DisjointSets groups(tape.nodes.size());
     for (const NodeId i : operations) {
-        const auto [entry, is_new] = first_with_id.try_emplace(own_ids[static_cast<std::size_t>(i)], i);
+        const auto [entry, is_new] = first_with_id.try_emplace(own_ids[i], i);
         if (!is_new) groups.merge(i, entry->second);
     }
 
@@ -277,7 +277,7 @@ std::vector<std::vector<NodeId>> find_exchanged_groups(const Tape& tape, const s
     for (const Isometry* isometry : {&isometries[0], &isometries[2]}) {
         const std::vector<int> exchanged_ids = expressions.number_expressions(exchanged_inputs(example, *isometry));
         for (const NodeId i : operations) {
-            const auto entry = first_with_id.find(exchanged_ids[static_cast<std::size_t>(i)]);
+            const auto entry = first_with_id.find(exchanged_ids[i]);
             if (entry != first_with_id.end()) groups.merge(i, entry->second);
             else incomplete.insert(i);
         }

@@ -195,7 +195,7 @@ bool divides_by_zero(const Tape& tape) {
 
 Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) {
     for (TapeNode& n : tape.nodes)
-        if (n.op == TapeOp::input) n.value = inputs.at(static_cast<std::size_t>(n.operands[0]));
+        if (n.op == TapeOp::input) n.value = inputs.at(n.operands[0]);
     const attribution::Rerun run(tape, [rounds](NodeId) { return rounds; });
     for (NodeId i = 0; i < tape.size(); ++i) tape[i].value = run[i];
     return tape;
@@ -229,7 +229,7 @@ std::vector<int> RaySample::count_culprits(Tape tape) const {
     for (const auto& inputs : inputs_) {
         tape = run_with_inputs(std::move(tape), inputs, true);
         const auto attributed = attribution::attribute(tape);
-        if (attributed.culprit != no_node) ++counts[static_cast<std::size_t>(attributed.culprit)];
+        if (attributed.culprit != no_node) ++counts[attributed.culprit];
     }
     return counts;
 }

@@ -45,7 +45,7 @@ public:
             } else {
                 std::array<int, 3> operands{-1, -1, -1};
                 for (std::size_t k = 0; k < row_of(n.op).operands; ++k)
-                    operands[k] = values[static_cast<std::size_t>(n.operands[k])];
+                    operands[k] = values[n.operands[k]];
                 values.push_back(folded_value_of(n.op, format, operands));
             }
         }

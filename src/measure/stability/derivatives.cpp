@@ -14,10 +14,10 @@ namespace {
 class Tangents {
 public:
     Tangents(const Tape& tape, NodeId input) : tape_(tape), derivatives_(tape.nodes.size()) {
-        derivatives_[static_cast<std::size_t>(input)] = 1;
-        for (NodeId i = input + 1; i < tape.size(); ++i) derivatives_[static_cast<std::size_t>(i)] = derivative_of(i);
+        derivatives_[input] = 1;
+        for (NodeId i = input + 1; i < tape.size(); ++i) derivatives_[i] = derivative_of(i);
     }
-    [[nodiscard]] double at(NodeId i) const { return derivatives_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] double at(NodeId i) const { return derivatives_[i]; }
 
 private:
     [[nodiscard]] double derivative_of(NodeId i) const {

@@ -32,7 +32,7 @@ public:
     ChangedProblems(const Ray<double>& ray, const Primitive<double>& primitive, Perturbed perturbed)
         : ray_(ray), primitive_(primitive), is_normwise_(perturbed == Perturbed::normwise) {
         for (int i = 0; i < 3; ++i) {
-            numbers_[static_cast<std::size_t>(i)] = ray.origin[i];
+            numbers_[i] = ray.origin[i];
             numbers_[static_cast<std::size_t>(i) + 3] = ray.direction[i];
         }
         add_vector(InputUnit::length, 3), add_vector(InputUnit::direction, 3);

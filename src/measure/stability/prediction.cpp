@@ -103,7 +103,7 @@ double RandomRuns::correct_bits(int precision) const {
 double statistical_bound(const Tape& tape, const Attribution& attribution) {
     double squares = 0;
     for (NodeId i = 0; i < tape.size(); ++i) {
-        const OperationError& error = attribution.errors[static_cast<std::size_t>(i)];
+        const OperationError& error = attribution.errors[i];
         if (!error.is_live || !rounds(tape[i].op)) continue;
         const double largest_error = error.adjoint * ulp_at(tape[i].value, tape.format_of(i)) / 2;
         squares += largest_error * largest_error;

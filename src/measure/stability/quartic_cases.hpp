@@ -94,7 +94,7 @@ private:
 
         // A minimum below 0 proves a hit before it; with a maximum between, the second pass may come first.
         for (int i = 0; i < critical_points_.points.count; i += 2) {
-            const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
+            const double x = critical_points_.points.x[i];
             if (!is_ahead(x) || !is_before_end(x)) continue;
             const Near at_minimum = span_.f.at(Near(x));
             if (!(at_minimum.highest() < 0)) {
@@ -155,7 +155,7 @@ private:
         if (sign > 0) low = std::max(low, -bound);
         double proved_to = low;
         for (int i = sign > 0 ? 0 : 1; i < critical_points_.points.count; i += 2) {
-            const double x = critical_points_.points.x[static_cast<std::size_t>(i)];
+            const double x = critical_points_.points.x[i];
             if (!(x > proved_to && x < high)) continue;
             // Around a minimum, the piece is as wide as the quadratic term is known not to vanish.
             const TaylorExpansion expansion(span_.f, x, sign);
@@ -178,7 +178,7 @@ private:
         TaylorExpansion(const Polynomial<Near>& f, double m, int sign) {
             const Near x(m);
             for (int i = 0; i <= 4; ++i)
-                c[static_cast<std::size_t>(i)] = sign > 0 ? f.coefficient(i) : -f.coefficient(i);
+                c[i] = sign > 0 ? f.coefficient(i) : -f.coefficient(i);
             for (std::size_t k = 0; k < 4; ++k)
                 for (std::size_t i = 4; i-- > k;) c[i] = c[i] + c[i + 1] * x;
         }

@@ -69,7 +69,7 @@ public:
             [this](ColumnIndex column_index) { return column_index < 0 || column_at(column_index).is_shared; });
     }
     [[nodiscard]] ColumnOperand operand(ColumnIndex column_index) const {
-        if (column_index < 0) return {constant_offsets_[static_cast<std::size_t>(-1 - column_index)], 0};
+        if (column_index < 0) return {constant_offsets_[-1 - column_index], 0};
         const Column& column = column_at(column_index);
         return {column.offset, column.is_shared ? 0 : static_cast<std::uint32_t>(lanes_)};
     }
@@ -118,9 +118,9 @@ private:
         size_ += max_lanes;
         return offset;
     }
-    Column& column_at(ColumnIndex column_index) { return columns_[static_cast<std::size_t>(column_index)]; }
+    Column& column_at(ColumnIndex column_index) { return columns_[column_index]; }
     [[nodiscard]] const Column& column_at(ColumnIndex column_index) const {
-        return columns_[static_cast<std::size_t>(column_index)];
+        return columns_[column_index];
     }
 
     const ColumnProgram& program_;
@@ -159,8 +159,8 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
     for (const auto& [first_operand, instruction] : first_operands) {
         const bool is_gate = instruction->operation == ColumnOperation::gate,
                    is_shared = !is_gate && layout.is_shared(*instruction);
-        const auto& word_kernels = kernels.by_words[static_cast<std::size_t>(program.words_per_number - 1)];
-        const auto& operation_kernels = word_kernels[static_cast<std::size_t>(instruction->operation)];
+        const auto& word_kernels = kernels.by_words[program.words_per_number - 1];
+        const auto& operation_kernels = word_kernels[instruction->operation];
         (is_shared ? shared_steps_ : ray_steps_)
             .push_back({is_gate ? nullptr : operation_kernels[instruction->exact], &operands_[first_operand],
                         acts_on_masks(instruction->operation)});

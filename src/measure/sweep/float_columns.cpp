@@ -77,7 +77,7 @@ void AxisColumns::make_unit_directions() {
     for (std::size_t i = 0; i < count; ++i) {
         if (i == 0 || direction_varies_)
             d = unit_direction_in_binary32(file_.ray_at(ray_, direction_varies_ ? values_[i] : 0.0F).direction);
-        for (int k = 0; k < 3; ++k) unit_columns_[static_cast<std::size_t>(k)][i] = d[k];
+        for (int k = 0; k < 3; ++k) unit_columns_[k][i] = d[k];
     }
 }
 
@@ -219,7 +219,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     classify(hit, truth);
 
     largest_low_ = largest_high_ = -1;
-    if (counts_[static_cast<std::size_t>(Outcome::agree_hit)] == 0) {
+    if (counts_[Outcome::agree_hit] == 0) {
         std::ranges::fill(low_, -1.0);
         std::ranges::fill(high_, -1.0);
         return;

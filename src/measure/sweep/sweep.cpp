@@ -69,7 +69,7 @@ void add_step_losses(std::vector<Event>& events, const std::vector<const Metric*
 /// Adds each wrong decision, from one ray on.
 void add_wrong_decisions(std::vector<Event>& events) {
     for (const Outcome o : evaluate::wrong_decisions) {
-        events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
+        events.push_back({std::string(answer::outcome_names[o]), "count", 1,
                           [o](const FormSummary& summary) { return static_cast<double>(summary.count(o)); }});
     }
 }

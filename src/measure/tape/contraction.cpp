@@ -67,14 +67,14 @@ private:
 
     template <class T>
     static T& at(std::vector<T>& values, NodeId i) {
-        return values[static_cast<std::size_t>(i)];
+        return values[i];
     }
     template <class T>
     static const T& at(const std::vector<T>& values, NodeId i) {
-        return values[static_cast<std::size_t>(i)];
+        return values[i];
     }
     [[nodiscard]] NodeId first_equal(NodeId i) const {
-        return i == no_node ? no_node : first_equal_[static_cast<std::size_t>(i)];
+        return i == no_node ? no_node : first_equal_[i];
     }
     [[nodiscard]] bool is_answer(NodeId i) const {
         const auto [hit, t, near, far] = source_.outputs;
@@ -102,12 +102,12 @@ private:
         std::vector<bool> needed(source_.nodes.size());
         const auto [hit, t, near, far] = source_.outputs;
         for (const NodeId out : {hit, t, near, far})
-            if (out != no_node) needed[static_cast<std::size_t>(first_equal(out))] = true;
+            if (out != no_node) needed[first_equal(out)] = true;
         for (NodeId i = source_.size() - 1; i >= 0; --i) {
-            if (!needed[static_cast<std::size_t>(i)] || is_given(source_[i].op)) continue;
+            if (!needed[i] || is_given(source_[i].op)) continue;
             for (const NodeId operand : source_[i].operands) {
                 if (operand == no_node) continue;
-                needed[static_cast<std::size_t>(first_equal(operand))] = true;
+                needed[first_equal(operand)] = true;
                 at(users_, first_equal(operand)).push_back(i);
             }
         }
@@ -120,8 +120,8 @@ private:
         std::vector<NodeId> order;
         std::vector<bool> seen(source_.nodes.size());
         const auto visit = [&](const auto& self, NodeId i) -> void {
-            if (i == no_node || seen[static_cast<std::size_t>(i)]) return;
-            seen[static_cast<std::size_t>(i)] = true;
+            if (i == no_node || seen[i]) return;
+            seen[i] = true;
             if (!is_given(source_[i].op))
                 for (const NodeId operand : source_[i].operands) self(self, first_equal(operand));
             order.push_back(i);
@@ -153,11 +153,11 @@ private:
         std::vector<NodeId> negatives;
 
         // Finds the sums, behind a negation where there is one.
-        for (const NodeId user : users_[static_cast<std::size_t>(product)]) {
+        for (const NodeId user : users_[product]) {
             const bool negates = source_[user].op == TapeOp::neg;
             NodeId sum = user;
             if (negates) {
-                const auto& users_of_negative = users_[static_cast<std::size_t>(user)];
+                const auto& users_of_negative = users_[user];
                 if (users_of_negative.size() != 1 || is_answer(user)) return;
                 sum = users_of_negative.front();
                 negatives.push_back(user);
@@ -174,7 +174,7 @@ private:
     }
 
     [[nodiscard]] NodeId new_node(NodeId i) const {
-        return i == no_node ? no_node : new_nodes_[static_cast<std::size_t>(first_equal(i))];
+        return i == no_node ? no_node : new_nodes_[first_equal(i)];
     }
 
     NodeId copy_node(NodeId i) {

@@ -82,7 +82,7 @@ Answer compute_answer(const CandidateProgram& candidate, const RandomRays<float>
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
         const auto operand_value = [&](std::size_t k) {
-            return node.operands[k] == no_node ? 0 : values[static_cast<std::size_t>(node.operands[k])];
+            return node.operands[k] == no_node ? 0 : values[node.operands[k]];
         };
 
         double value = 0;
@@ -98,10 +98,10 @@ Answer compute_answer(const CandidateProgram& candidate, const RandomRays<float>
         if (i == candidate.inexact_operation)
             for (int k = 0; k < std::abs(candidate.ulps); ++k)
                 value = std::nextafter(static_cast<float>(value), candidate.ulps > 0 ? INFINITY : -INFINITY);
-        values[static_cast<std::size_t>(i)] = value;
+        values[i] = value;
     }
-    return {values[static_cast<std::size_t>(tape.outputs.hit)] != 0,
-            static_cast<float>(values[static_cast<std::size_t>(tape.outputs.t)])};
+    return {values[tape.outputs.hit] != 0,
+            static_cast<float>(values[tape.outputs.t])};
 }
 
 class Search {
@@ -213,7 +213,7 @@ private:
             if (!largest_ulps) continue;
             for (std::size_t k = 0; k < names_.size(); ++k)
                 if (!sites[k].empty()) difference.rewritings.push_back({names_[k], sites[k]});
-            difference.inexact_operation = candidate->program.origins[static_cast<std::size_t>(i)];
+            difference.inexact_operation = candidate->program.origins[i];
             difference.ulps = *largest_ulps;
             return true;
         }

@@ -17,18 +17,18 @@ public:
         for (const TapeNode& node : source_tape.nodes)
             if (!is_given(node.op))
                 for (const NodeId operand : node.operands)
-                    if (operand != no_node) ++uses_[static_cast<std::size_t>(operand)];
+                    if (operand != no_node) ++uses_[operand];
         for (const NodeId operand :
              {source_tape.outputs.hit, source_tape.outputs.t, source_tape.outputs.near, source_tape.outputs.far})
-            ++uses_[static_cast<std::size_t>(operand)];
+            ++uses_[operand];
         result_.tape.formats = source_tape.formats;
     }
     [[nodiscard]] const TapeNode& source_node(NodeId i) const { return source_[i]; }
-    [[nodiscard]] bool is_used_once(NodeId i) const { return uses_[static_cast<std::size_t>(i)] == 1; }
-    [[nodiscard]] NodeId copy_of(NodeId i) const { return copies_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_used_once(NodeId i) const { return uses_[i] == 1; }
+    [[nodiscard]] NodeId copy_of(NodeId i) const { return copies_[i]; }
     NodeId add(TapeOp op, NodeId model, std::array<NodeId, 3> operands) {
         result_.tape.nodes.push_back({op, source_[model].format, operands, 0});
-        result_.origins.push_back(origins_[static_cast<std::size_t>(model)]);
+        result_.origins.push_back(origins_[model]);
         return result_.tape.size() - 1;
     }
     /// Makes `new_node` the copy of the next node of the source tape.
@@ -39,7 +39,7 @@ public:
             for (NodeId& operand : node.operands)
                 if (operand != no_node) operand = copy_of(operand);
         result_.tape.nodes.push_back(node);
-        result_.origins.push_back(origins_[static_cast<std::size_t>(i)]);
+        result_.origins.push_back(origins_[i]);
         append_copy(result_.tape.size() - 1);
     }
     DerivedTape finish() {
@@ -146,7 +146,7 @@ DerivedTape rewrite_as_driver(const DerivedTape& source, std::size_t rewriting, 
                               std::vector<NodeId>& changed) {
     TapeCopy copy(source);
     for (NodeId i = 0; i < source.tape.size(); ++i) {
-        const NodeId origin = source.origins[static_cast<std::size_t>(i)];
+        const NodeId origin = source.origins[i];
         const bool is_selected = sites == nullptr || std::ranges::find(*sites, origin) != sites->end();
         const auto rewritten =
             is_selected && !is_given(source.tape[i].op) ? driver_rows.at(rewriting).rewrite(copy, i) : std::nullopt;

@@ -21,11 +21,11 @@ public:
           wide_format_(wide_format),
           is_wide_(source.nodes.size()),
           new_nodes_(source.nodes.size(), no_node) {
-        for (const NodeId i : operations) is_wide_[static_cast<std::size_t>(i)] = true;
+        for (const NodeId i : operations) is_wide_[i] = true;
     }
 
     Tape widen() {
-        for (NodeId i = 0; i < source_.size(); ++i) new_nodes_[static_cast<std::size_t>(i)] = copy_node(i);
+        for (NodeId i = 0; i < source_.size(); ++i) new_nodes_[i] = copy_node(i);
         const auto answer = [&](NodeId i) { return convert_to(i, source_.format_of(i)); };
         const auto [hit, t, near, far] = source_.outputs;
         result_.outputs = {new_node(hit), answer(t), answer(near), answer(far)};
@@ -34,7 +34,7 @@ public:
 
 private:
     [[nodiscard]] NodeId new_node(NodeId i) const {
-        return i == no_node ? no_node : new_nodes_[static_cast<std::size_t>(i)];
+        return i == no_node ? no_node : new_nodes_[i];
     }
 
     /// Returns the new node with the result of node i in `format`, converted if necessary.
@@ -67,7 +67,7 @@ private:
         if (n.op == TapeOp::convert) return convert_to(n.operands[0], source_format);
         const bool is_logic = kind_of(n.op) == OperationKind::logic;
         const FloatFormat format = kind_of(n.op) == OperationKind::rounded
-                                       ? is_wide_[static_cast<std::size_t>(i)] ? wide_format_ : source_format
+                                       ? is_wide_[i] ? wide_format_ : source_format
                                    : is_logic ? source_format
                                               : widest_operand_format(n);
         std::array<NodeId, 3> operands{no_node, no_node, no_node};
@@ -167,15 +167,15 @@ Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitiv
 std::vector<NodeId> rounded_operations(const Tape& tape) {
     std::vector<bool> is_needed(tape.nodes.size());
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
-        is_needed[static_cast<std::size_t>(out)] = true;
+        is_needed[out] = true;
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
-        if (!is_needed[static_cast<std::size_t>(i)] || is_given(tape[i].op)) continue;
+        if (!is_needed[i] || is_given(tape[i].op)) continue;
         for (const NodeId operand : tape[i].operands)
-            if (operand != no_node) is_needed[static_cast<std::size_t>(operand)] = true;
+            if (operand != no_node) is_needed[operand] = true;
     }
     std::vector<NodeId> operations;
     for (NodeId i = 0; i < tape.size(); ++i) {
-        if (is_needed[static_cast<std::size_t>(i)] && kind_of(tape[i].op) == OperationKind::rounded &&
+        if (is_needed[i] && kind_of(tape[i].op) == OperationKind::rounded &&
             tape.format_of(i) == tape.format_of(tape.outputs.t))
             operations.push_back(i);
     }

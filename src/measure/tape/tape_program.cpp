@@ -94,7 +94,7 @@ namespace {
 class ColumnPool {
 public:
     std::uint16_t acquire(NodeArithmetic arithmetic) {
-        auto& free = free_[static_cast<std::size_t>(arithmetic)];
+        auto& free = free_[arithmetic];
         if (!free.empty()) {
             const std::uint16_t column = free.back();
             free.pop_back();
@@ -106,7 +106,7 @@ public:
         return column;
     }
     void release(NodeArithmetic arithmetic, std::uint16_t column) {
-        free_[static_cast<std::size_t>(arithmetic)].push_back(column);
+        free_[arithmetic].push_back(column);
     }
     std::array<std::uint16_t, 3> counts{};
 
@@ -119,12 +119,12 @@ private:
 std::vector<NodeId> last_uses(const Tape& tape) {
     std::vector<NodeId> last(tape.nodes.size(), no_node);
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
-        last[static_cast<std::size_t>(out)] = tape.size();
+        last[out] = tape.size();
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
-        if (last[static_cast<std::size_t>(i)] == no_node || is_given(tape[i].op)) continue;
+        if (last[i] == no_node || is_given(tape[i].op)) continue;
         for (const NodeId operand : tape[i].operands) {
             if (operand == no_node) continue;
-            NodeId& use = last[static_cast<std::size_t>(operand)];
+            NodeId& use = last[operand];
             use = std::max(use, i);
         }
     }
@@ -140,13 +140,13 @@ TapeProgram::TapeProgram(const Tape& tape) {
     };
     ColumnPool pool;
     std::vector<std::uint16_t> columns_of_nodes(tape.nodes.size());
-    const auto column_of = [&](NodeId i) -> std::uint16_t& { return columns_of_nodes[static_cast<std::size_t>(i)]; };
+    const auto column_of = [&](NodeId i) -> std::uint16_t& { return columns_of_nodes[i]; };
 
     // Inputs and constants are kept for all rays, so their columns are never released.
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
         if (node.op == TapeOp::input) ++input_count_;
-        if (last_use[static_cast<std::size_t>(i)] == no_node || !is_given(node.op)) continue;
+        if (last_use[i] == no_node || !is_given(node.op)) continue;
         column_of(i) = pool.acquire(node_arithmetic(i));
         if (node.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(node.operands[0]), column_of(i)});
         else constants_.push_back({node_arithmetic(i), node.value, column_of(i)});
@@ -154,7 +154,7 @@ TapeProgram::TapeProgram(const Tape& tape) {
 
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
-        if (last_use[static_cast<std::size_t>(i)] == no_node || is_given(node.op)) continue;
+        if (last_use[i] == no_node || is_given(node.op)) continue;
         TapeStep step{.op = node.op,
                       .arithmetic = node_arithmetic(i),
                       .operand_arithmetic = node_arithmetic(node.operands[node.op == TapeOp::select ? 1 : 0]),
@@ -169,7 +169,7 @@ TapeProgram::TapeProgram(const Tape& tape) {
             const bool is_repeated =
                 std::find(node.operands.begin(), node.operands.begin() + k, operand) != node.operands.begin() + k;
             if (operand != no_node && !is_repeated && !is_given(tape[operand].op) &&
-                last_use[static_cast<std::size_t>(operand)] == i)
+                last_use[operand] == i)
                 pool.release(node_arithmetic(operand), column_of(operand));
         }
         step.out = column_of(i) = pool.acquire(step.arithmetic);

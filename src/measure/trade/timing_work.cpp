@@ -195,7 +195,7 @@ std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
     if (!row) return std::nullopt;
     const bool warms_up = fits_in_cache(bytes_);
     const Shape shape =
-        intersect::table::catalogue()[static_cast<std::size_t>(row - intersect::simd::all_packed_kernels(*isa).data())]
+        intersect::table::catalogue()[row - intersect::simd::all_packed_kernels(*isa).data()]
             .shape;
     if (row->f32 && k.format_name == "f32") return packed_work(f32(shape), row->f32, warms_up);
     if (row->f64 && k.format_name == "f64") return packed_work(f64(shape), row->f64, warms_up);

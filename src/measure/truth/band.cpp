@@ -155,7 +155,7 @@ Truth find_candidate_truth(Candidates candidates, std::size_t i, const Ray<S>& r
     candidate_primitives.clear();
     for (const std::uint32_t primitive : indices) candidate_primitives.push_back(primitives[primitive]);
     Truth truth = find_truth(ray, std::span<const Primitive<S>>(candidate_primitives), limit, convention, range);
-    if (truth.primitive >= 0) truth.primitive = static_cast<int>(indices[static_cast<std::size_t>(truth.primitive)]);
+    if (truth.primitive >= 0) truth.primitive = static_cast<int>(indices[truth.primitive]);
     return truth;
 }
 
@@ -192,7 +192,7 @@ const Truth& Band::special_truth(std::size_t i, Convention convention) const {
 bool Band::first_hit_faces(std::size_t i, Facing facing) const {
     if (truths_.primitive[i] < 0) return false;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
-        const auto primitive = lift_primitive<Ball>(primitives[static_cast<std::size_t>(truths_.primitive[i])]);
+        const auto primitive = lift_primitive<Ball>(primitives[truths_.primitive[i]]);
         return with_span(lift_ray<Ball>(ray), primitive, [facing](const auto& span) {
             if constexpr (requires { faces(span, facing); }) return faces(span, facing).is_yes();
             else return true;
@@ -354,7 +354,7 @@ std::shared_ptr<const scene::rays::RayGroup> Band::original_group(std::size_t i,
     auto group = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
     group->rays.push_range(shared_, i);
     for (const int primitive : primitives)
-        group->primitives.push_back(shared_primitives_[static_cast<std::size_t>(primitive)]);
+        group->primitives.push_back(shared_primitives_[primitive]);
     if (!primitives.empty()) return group;
     group->primitives = shared_primitives_.all();
     group->march = shared_march_;
@@ -366,7 +366,7 @@ double Band::rounded_truth(std::size_t i, const FloatFormat& format, intersect::
     const Truth truth = this->truth(i, convention);
     const Length length = length_of(direction);
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
-        const auto primitive = primitives[static_cast<std::size_t>(truth.primitive)];
+        const auto primitive = primitives[truth.primitive];
         return round_truth(truth, ray, primitive, format, length, convention.for_shape(primitive.shape), range(i));
     });
 }

@@ -213,7 +213,7 @@ double Band::measure_condition(std::size_t i, Truth::Decision decision, int prim
                                Convention convention) const {
     if (decision != Truth::Decision::hit) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
-        const auto primitive = primitives[static_cast<std::size_t>(primitive_index)];
+        const auto primitive = primitives[primitive_index];
         return lostbits::measure::truth::condition(ray, primitive, convention.for_shape(primitive.shape), range(i));
     });
 }
@@ -237,7 +237,7 @@ double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention con
                            const FloatFormat& format, Perturbed perturbed) const {
     if (!ray_truth.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
-        const auto primitive = primitives[static_cast<std::size_t>(ray_truth.primitive)];
+        const auto primitive = primitives[ray_truth.primitive];
         const CertifiedNumber& answer = length == Length::distance ? ray_truth.distance : ray_truth.t;
         const double tmin = range(i).tmin;
         const bool begins_inside =
@@ -251,7 +251,7 @@ double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention con
 double Band::reach(std::size_t i, Convention convention, intersect::Direction direction, const FormatInputs& inputs,
                    Perturbed perturbed) const {
     const Length length = length_of(direction);
-    const auto& closed_reaches = inputs.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
+    const auto& closed_reaches = inputs.reach[perturbed][length];
     const bool has_closed_reach = !closed_reaches.empty() && !may_differ(i, convention);
     return has_closed_reach
                ? closed_reaches[i]

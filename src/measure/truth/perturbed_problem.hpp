@@ -194,8 +194,8 @@ private:
         if (i < matrix_begin_ + linear_part_size) return UnitKind::linear_part;
         return transform_->is_inverse ? UnitKind::object_length : UnitKind::length;
     }
-    [[nodiscard]] int& unit(UnitKind kind) { return units_[static_cast<std::size_t>(kind)]; }
-    [[nodiscard]] int unit(UnitKind kind) const { return units_[static_cast<std::size_t>(kind)]; }
+    [[nodiscard]] int& unit(UnitKind kind) { return units_[kind]; }
+    [[nodiscard]] int unit(UnitKind kind) const { return units_[kind]; }
     [[nodiscard]] int unit_of(std::size_t i) const { return unit(unit_kind(i)); }
 
     /// Sets each unit to the exponent of the largest number that has it. Without a matrix, units near 1 are 1, and the

@@ -202,7 +202,7 @@ private:
         std::array<Ray<double>, candidate_batch_size> first_words;
         for (std::size_t k = 0; k < rays.size(); ++k)
             for (int c = 0; c < 3; ++c) {
-                first_words[k].origin[c] = rays_.words[static_cast<std::size_t>(c)][rays[k]];
+                first_words[k].origin[c] = rays_.words[c][rays[k]];
                 first_words[k].direction[c] = rays_.words[static_cast<std::size_t>(c) + 3][rays[k]];
             }
         candidates_.clear();
@@ -230,7 +230,7 @@ private:
         GatheredProblems<double>& target = gathered_problems(primitive.shape);
 
         // All gathered problems of a shape have one kind of matrix, so another kind settles those before.
-        stages::MatrixKind& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
+        stages::MatrixKind& matrix = matrices_[primitive.shape];
         if (const auto matrix_kind = matrix_kind_of(primitive); !(matrix_kind == matrix)) {
             settle(primitive.shape);
             matrix = matrix_kind;
@@ -264,7 +264,7 @@ private:
         return GatheredProblems<double>::for_thread(shape);
     }
     std::array<std::size_t, batch_size>& pair_indices(Shape shape) {
-        return pair_indices_[static_cast<std::size_t>(shape)];
+        return pair_indices_[shape];
     }
 
     /// Settles the gathered pairs of one shape, and empties their buffer.
@@ -294,14 +294,14 @@ private:
         auto raw = problems.added_problems(stages.lanes, two_words);
         raw.open_ends = problems_.rays.open_ends;
         raw.has_ranges = has_ranges_;
-        raw.matrix = matrices_[static_cast<std::size_t>(shape)];
+        raw.matrix = matrices_[shape];
         stages.double_double(raw);
         store_findings(problems.findings, shape, open_pairs, [&open_pairs](std::size_t k) { return open_pairs[k]; });
     }
     /// Settles pairs in which a ray may touch its primitive or start on it, if the stages have such code for the shape.
     void settle_ties(Shape shape, std::vector<std::size_t>& open_pairs) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
-        const bool are_plain = !two_words && !has_ranges_ && !matrices_[static_cast<std::size_t>(shape)].exists;
+        const bool are_plain = !two_words && !has_ranges_ && !matrices_[shape].exists;
         if (open_pairs.empty() || !stages.ties || !are_plain) return;
         GatheredProblems<double>& ties = GatheredProblems<double>::for_thread();
         stages.ties(ties.gather(gathered_problems(shape).columns(shape), open_pairs, stages.lanes));

@@ -78,8 +78,8 @@ double bound_root(const PerturbedProblem& problem, const QuarticSpan<DualNumber>
         factorial *= k;
         const auto c = (power * f.at(s.b) / DualNumber(factorial)).value();
         power = power * s.a;
-        most[static_cast<std::size_t>(k)] = std::fabs(c.value()) + c.error() * rounding_factor;
-        least[static_cast<std::size_t>(k)] = std::fabs(c.value()) * (1 - 0x1p-40) - c.error() * rounding_factor;
+        most[k] = std::fabs(c.value()) + c.error() * rounding_factor;
+        least[k] = std::fabs(c.value()) * (1 - 0x1p-40) - c.error() * rounding_factor;
     }
 
     const auto sum_of_others = [&most](std::size_t k, double rho) {
@@ -182,7 +182,7 @@ double bound_between_corners(const PerturbedProblem& problem, const Shape& s, co
     double most = 0;
     for (int i = 0; i < 3; ++i) {
         const Slab slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i],
-                        along[static_cast<std::size_t>(i)]};
+                        along[i]};
         most = std::max(most, slab.bound_movement(problem, answer_faces));
     }
     return most;

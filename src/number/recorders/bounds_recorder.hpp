@@ -32,7 +32,7 @@ private:
         double value, error;
         bool is_double;
     };
-    [[nodiscard]] const Entry& entry_of(NodeId x) const { return entries_[static_cast<std::size_t>(x)]; }
+    [[nodiscard]] const Entry& entry_of(NodeId x) const { return entries_[x]; }
     NodeId add(double value, double error, bool is_double) {
         entries_.push_back({value, error, is_double});
         return static_cast<NodeId>(entries_.size()) - 1;

@@ -51,7 +51,7 @@ std::array<ColumnIndex, ColumnInstruction::max_outputs> ColumnRecorder::record(C
 ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
     std::vector<bool> is_needed(program_.column_count, false);
     const auto mark_needed = [&is_needed](ColumnIndex index) {
-        if (index >= 0) is_needed[static_cast<std::size_t>(index)] = true;
+        if (index >= 0) is_needed[index] = true;
     };
     for (const ColumnIndex index : outputs) mark_needed(index);
 
@@ -61,7 +61,7 @@ ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
         const ColumnInstruction& instruction = program_.instructions[i];
         bool has_needed_result = instruction.operation == ColumnOperation::gate;
         for (std::size_t k = 0; k < instruction.output_count; ++k)
-            has_needed_result |= is_needed[static_cast<std::size_t>(instruction.out[k])];
+            has_needed_result |= is_needed[instruction.out[k]];
         if (!has_needed_result) continue;
         for (std::size_t k = 0; k < instruction.input_count; ++k) mark_needed(instruction.in[k]);
         needed_instructions.push_back(instruction);

@@ -124,7 +124,7 @@ struct ColumnProgram {
     std::vector<ColumnIndex> outputs;
 
     [[nodiscard]] double constant_at(ColumnIndex index) const {
-        return constants[static_cast<std::size_t>(-1 - index)];
+        return constants[-1 - index];
     }
 };
 

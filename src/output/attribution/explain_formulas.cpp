@@ -62,7 +62,7 @@ private:
     /// True for values with a line of their own: every computed number, and decisions that are used more than once.
     [[nodiscard]] bool is_bound(NodeId i) const {
         if (is_input(i)) return false;
-        if (is_decision(explanation_.tape[i].op)) return slice_.use_counts[static_cast<std::size_t>(i)] > 1;
+        if (is_decision(explanation_.tape[i].op)) return slice_.use_counts[i] > 1;
         return !slice_.is_constant(i);
     }
     [[nodiscard]] std::string operand(NodeId i) const {

@@ -36,7 +36,7 @@ namespace {
 std::vector<bool> nodes_on_path(const Explanation& explanation) {
     std::vector<bool> on_path(explanation.tape.nodes.size());
     const auto mark = [&on_path](NodeId i) {
-        if (i != no_node) on_path[static_cast<std::size_t>(i)] = true;
+        if (i != no_node) on_path[i] = true;
     };
 
     // Begins with the outputs. In a miss, t is not an answer.
@@ -46,7 +46,7 @@ std::vector<bool> nodes_on_path(const Explanation& explanation) {
     // Visits every operation after all operations that use it.
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
         if (explanation.attribution[i].is_live) mark(i);
-        if (!on_path[static_cast<std::size_t>(i)]) continue;
+        if (!on_path[i]) continue;
         const TapeNode& node = explanation.tape[i];
         if (node.op != TapeOp::select) {
             std::ranges::for_each(explanation.tape.operands_of(i), mark);
@@ -179,7 +179,7 @@ OperationTable operation_table(const Explanation& explanation, const OperationVi
                               (i >= table.first_node && (has_row[index] || view.is_shown(i, show_all)));
         has_row[index] = has_row[index] || shows_errors[index];
         if (!shows_errors[index]) continue;
-        for (const NodeId named : view.operations_named_in(i)) has_row[static_cast<std::size_t>(named)] = true;
+        for (const NodeId named : view.operations_named_in(i)) has_row[named] = true;
     }
 
     for (NodeId i = 0; i < explanation.tape.size(); ++i) {

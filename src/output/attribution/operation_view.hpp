@@ -41,7 +41,7 @@ public:
     /// True if the answer is computed from the operation, or if the operation only chose a branch or was only compared.
     /// False for operations of a branch that was not taken and, in a miss, for operations from which only t is
     /// computed.
-    [[nodiscard]] bool is_on_path(NodeId i) const { return on_path_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_on_path(NodeId i) const { return on_path_[i]; }
     /// True if the table has a row for the operation.
     [[nodiscard]] bool is_shown(NodeId i, bool show_all) const;
     /// Operations that the expression of operation i refers to by name.

@@ -25,8 +25,8 @@ std::vector<NodeId> nodes_by_contribution(const RangesBound& bound) {
     for (std::size_t i = 0; i < bound.node_contributions.size(); ++i)
         if (bound.node_contributions[i] > 0) nodes.push_back(static_cast<NodeId>(i));
     std::ranges::stable_sort(nodes, [&](NodeId a, NodeId b) {
-        return bound.node_contributions[static_cast<std::size_t>(a)] >
-               bound.node_contributions[static_cast<std::size_t>(b)];
+        return bound.node_contributions[a] >
+               bound.node_contributions[b];
     });
     return nodes;
 }
@@ -65,7 +65,7 @@ std::string operations_block(const RangesBound& bound) {
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
     const auto nodes = nodes_by_contribution(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
-        text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[static_cast<std::size_t>(nodes[k])],
+        text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[nodes[k]],
                             tape_text.definition(nodes[k]));
     if (nodes.size() > operations_shown)
         text += fmt::format("  and {} other operations, by less\n", nodes.size() - operations_shown);
@@ -131,7 +131,7 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
     for (const NodeId i : nodes_by_contribution(bound))
         operations.push_back({{"name", tape_text.name(i)},
                               {"expression", tape_text.expression(i)},
-                              {"ulps", json_number(bound.node_contributions[static_cast<std::size_t>(i)])}});
+                              {"ulps", json_number(bound.node_contributions[i])}});
 
     const Json document{
         {"form", std::string(request.form->info->name)},

@@ -16,23 +16,23 @@ struct TapeSlice {
 
     TapeSlice(const Tape& tape, const std::vector<NodeId>& roots)
         : needed(tape.nodes.size()), constant(tape.nodes.size()), use_counts(tape.nodes.size()) {
-        for (const NodeId root : roots) needed[static_cast<std::size_t>(root)] = true;
+        for (const NodeId root : roots) needed[root] = true;
         for (NodeId i = tape.size() - 1; i >= 0; --i) {
-            if (!needed[static_cast<std::size_t>(i)]) continue;
+            if (!needed[i]) continue;
             for (const NodeId operand : tape.operands_of(i)) {
-                needed[static_cast<std::size_t>(operand)] = true;
-                ++use_counts[static_cast<std::size_t>(operand)];
+                needed[operand] = true;
+                ++use_counts[operand];
             }
         }
         for (NodeId i = 0; i < tape.size(); ++i) {
-            constant[static_cast<std::size_t>(i)] =
+            constant[i] =
                 tape[i].op != TapeOp::input && std::ranges::all_of(tape.operands_of(i), [this](NodeId operand) {
-                    return constant[static_cast<std::size_t>(operand)];
+                    return constant[operand];
                 });
         }
     }
-    [[nodiscard]] bool is_needed(NodeId i) const { return needed[static_cast<std::size_t>(i)]; }
-    [[nodiscard]] bool is_constant(NodeId i) const { return constant[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_needed(NodeId i) const { return needed[i]; }
+    [[nodiscard]] bool is_constant(NodeId i) const { return constant[i]; }
 };
 
 }  // namespace lostbits::output::attribution

@@ -184,7 +184,7 @@ std::string draw_plots(const sweep::MeasuredSweep& measured, const ShownSubject&
         if (plots.has_tail) add_plot("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
         if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
-            add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
+            add_plot(measure::answer::outcome_names[outcome],
                      sweep::outcome_plot(measured, format, outcome));
     }
     return text;

@@ -137,7 +137,7 @@ std::string margin_text(const GrowthMargin& margin, const ChoiceResult& result, 
     const bool rays_from_files = result.request.rays != nullptr;
     if (margin.holding_factor == 0) {
         return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
-                           measure::choose::growth_names[static_cast<std::size_t>(margin.growth)],
+                           measure::choose::growth_names[margin.growth],
                            rays_from_files ? "sample of the rays" : "smaller picture",
                            failure_phrase(margin, requirement, precision));
     }

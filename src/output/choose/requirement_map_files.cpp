@@ -93,7 +93,7 @@ private:
             requirement_map);
     }
     static Rgb8 colour_at(const std::vector<Rgb8>& colours, int index) {
-        if (index >= 0) return colours[static_cast<std::size_t>(index)];
+        if (index >= 0) return colours[index];
         return index == RequirementMap::none ? colour_of_none : colour_of_unknown;
     }
     void add(std::string label, Rgb8 colour, std::uint64_t count, const RequirementMap& requirement_map) {
@@ -156,8 +156,8 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
         for (int x = 0; x < requirement_map.width; ++x) {
             const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(requirement_map.width) +
                                static_cast<std::size_t>(x);
-            row[static_cast<std::size_t>(x)] = colours.candidate_colour(requirement_map.cheapest[pixel]);
-            row[static_cast<std::size_t>(x + requirement_map.width + gap)] =
+            row[x] = colours.candidate_colour(requirement_map.cheapest[pixel]);
+            row[x + requirement_map.width + gap] =
                 colours.format_colour(requirement_map.narrowest[pixel]);
         }
         picture.write_rows(row);

@@ -104,7 +104,7 @@ public:
         const auto sample = [&](int x, int y) {
             const std::int64_t column = std::int64_t{x - field.box.x} * field.columns / field.box.width,
                                row = std::int64_t{y - field.box.y} * field.rows() / field.box.height;
-            return field.samples[static_cast<std::size_t>(row * field.columns + column)];
+            return field.samples[row * field.columns + column];
         };
         for (int y = box.y; y < box.y + box.height; ++y)
             for (int x = box.x; x < box.x + box.width; ++x) pixel_at(x, y) = sample(x, y);
@@ -120,7 +120,7 @@ private:
         const PixelBox visible = intersection(box, mark.clip);
         for (int y = visible.y; y < visible.y + visible.height; ++y) {
             for (int x = visible.x; x < visible.x + visible.width; ++x) {
-                const double covered_255 = coverage[static_cast<std::size_t>((y - box.y) * box.width + x - box.x)];
+                const double covered_255 = coverage[(y - box.y) * box.width + x - box.x];
                 if (covered_255 == 0) continue;
                 const int weight = static_cast<int>(std::lround(covered_255 * opacity));
                 Rgb8& pixel = pixel_at(x, y);

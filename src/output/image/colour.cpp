@@ -25,7 +25,7 @@ const std::array<std::uint16_t, 256>& linear_light_of_byte() {
         for (int i = 0; i < 256; ++i) {
             const double c = i / 255.0;
             const double l = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-            out[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(std::lround(l * 65535.0));
+            out[i] = static_cast<std::uint16_t>(std::lround(l * 65535.0));
         }
         return out;
     }();

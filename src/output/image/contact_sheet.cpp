@@ -287,7 +287,7 @@ void ContactSheet::draw_parts(Canvas& canvas, std::size_t columns) const {
                                                            : fmt::format("The other {}", columns - first_block_forms))};
     for (int part = 0; part < 2; ++part)
         canvas.text(style::margin, block_y(part) - part_line,
-                    image_backend().render_text(lines[static_cast<std::size_t>(part)], style::text_size),
+                    image_backend().render_text(lines[part], style::text_size),
                     style::soft_ink);
 }
 

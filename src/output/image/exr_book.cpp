@@ -237,7 +237,7 @@ void ExrBook::write_waiting_blocks() {
     for (auto entry = waiting_blocks_.begin(); entry != waiting_blocks_.end() && entry->first == order_[next_in_order_];
          entry = waiting_blocks_.erase(entry), ++next_in_order_) {
         const auto& [run, block, part] = entry->first;
-        part_states_[part].offsets[static_cast<std::size_t>(block)] = file_.tell();
+        part_states_[part].offsets[block] = file_.tell();
         if (has_parts()) file_.write(to_bytes({static_cast<std::int32_t>(part)}));
         file_.write(to_bytes({block * block_lines, static_cast<std::int32_t>(entry->second.size())}));
         file_.write(entry->second);

@@ -67,8 +67,8 @@ void Thumbnail::pick_row(int y, std::span<const Rgb8> samples) {
     if (middle(j, field_height_, height_) != y) ++j;
     if (j >= height_ || middle(j, field_height_, height_) != y) return;
     for (int i = 0; i < width_; ++i) {
-        pixels_[static_cast<std::size_t>(j * width_ + i)] =
-            samples[static_cast<std::size_t>(middle(i, field_width_, width_))];
+        pixels_[j * width_ + i] =
+            samples[middle(i, field_width_, width_)];
     }
 }
 
@@ -105,7 +105,7 @@ void Thumbnail::average_row(int y, std::span<const Rgb8> samples) {
         for (std::size_t c = 0; c < 3; ++c) out[c + 3] += overlap.next_weight * light[c];
     }
 
-    const Overlap& overlap = row_overlaps_[static_cast<std::size_t>(y)];
+    const Overlap& overlap = row_overlaps_[y];
     for (const auto& [pixel, weight] :
          {std::pair(overlap.pixel, overlap.weight), std::pair(overlap.pixel + 1, overlap.next_weight)}) {
         if (weight == 0) continue;

@@ -67,7 +67,7 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
         {"format", "format that they were computed in", &MeshSummaryRow::format},
         {"answers", "what the answers are about",
          [](const MeshSummaryRow& r) {
-             return std::string(scene::ray_file::answer_kind_names[static_cast<std::size_t>(r.result->kind)]);
+             return std::string(scene::ray_file::answer_kind_names[r.result->kind]);
          }},
         {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->answers; }}};
 
@@ -112,7 +112,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
     // The ray or the point.
     constexpr std::array ray_names{"ox", "oy", "oz", "dx", "dy", "dz"}, point_kind_names{"px", "py", "pz", "", "", ""};
     for (int k = 0; k < (is_point ? 3 : 6); ++k)
-        table.add({(is_point ? point_kind_names : ray_names).at(static_cast<std::size_t>(k)), "number of it, as judged",
+        table.add({(is_point ? point_kind_names : ray_names).at(k), "number of it, as judged",
                    [k](const R& r) { return k < 3 ? r.ray.origin[k] : r.ray.direction[k - 3]; }});
 
     // The judgement and the answer.
@@ -120,7 +120,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
     table.add({kind == AnswerKind::all_hits
                    ? "listed"
-                   : std::string(scene::ray_file::answer_kind_names.at(static_cast<std::size_t>(kind))),
+                   : std::string(scene::ray_file::answer_kind_names.at(kind)),
                kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::answer_count});
     if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
 

@@ -129,7 +129,7 @@ Table<BitsNeededPixel> bits_needed_pixel_table(int bits) {
                  return static_cast<std::size_t>(r.band->y0) + r.i / static_cast<std::size_t>(r.band->width);
              }},
             {"truth", "hit, miss or unresolved",
-             [](const R& r) { return measure::truth::decision_names[static_cast<std::size_t>(r.truth.decision)]; }},
+             [](const R& r) { return measure::truth::decision_names[r.truth.decision]; }},
             {"truth_object", "primitive that the ray truly hits first, from 0",
              [](const R& r) { return when(r.truth.is_hit(), r.truth.primitive); }},
             {"needed", "bits",

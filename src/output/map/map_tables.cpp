@@ -35,7 +35,7 @@ Cell cell_of(const SummaryColumn& column, const FormSummary& summary) {
         case SummaryColumn::Kind::count: return static_cast<std::uint64_t>(x);
         case SummaryColumn::Kind::number: break;
         case SummaryColumn::Kind::hex: return file::hex(x);
-        case SummaryColumn::Kind::category: return column.categories[static_cast<std::size_t>(x)];
+        case SummaryColumn::Kind::category: return column.categories[x];
     }
     return x;
 }
@@ -118,7 +118,7 @@ bool asks_for_culprits(const std::vector<const Metric*>& metrics) {
 std::vector<Culprit> find_culprits(const std::vector<const Metric*>& metrics, const TestedForm& tested_form,
                                    const FormSummary& summary) {
     const auto metric = std::ranges::find_if(metrics, &Metric::depends_on_forms);
-    const auto& counts = summary.categories[static_cast<std::size_t>(metric - metrics.begin())];
+    const auto& counts = summary.categories[metric - metrics.begin()];
     std::vector<Culprit> culprits;
     for (const std::size_t c : culprits_by_count(counts))
         culprits.push_back({tested_form, (*metric)->categories[c], counts[c],
@@ -128,7 +128,7 @@ std::vector<Culprit> find_culprits(const std::vector<const Metric*>& metrics, co
 
 table::TableColumn<BandRay> outcome_column() {
     return {"outcome", "outcome of the ray", [](const BandRay& r) {
-                return measure::answer::outcome_names[static_cast<std::size_t>(r.result->outcomes[r.i])];
+                return measure::answer::outcome_names[r.result->outcomes[r.i]];
             }};
 }
 
@@ -149,7 +149,7 @@ Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metric
                        const double value = r.result->metrics[m][r.i];
                        if (std::isnan(value)) return {};
                        if (categories.empty()) return value;
-                       return categories[static_cast<std::size_t>(value)];
+                       return categories[value];
                    }});
     }
     return table;

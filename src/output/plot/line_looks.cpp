@@ -156,7 +156,7 @@ std::vector<PlotLine> plot_lines(std::span<const Series> series) {
         } else {
             equal_line->label += ", " + current.label;
             equal_line->keys += " " + current.key;
-            ++series_counts[static_cast<std::size_t>(equal_line - lines.begin())];
+            ++series_counts[equal_line - lines.begin()];
             if (!current.is_dashed && equal_line->series->is_dashed) equal_line->series = &current;
         }
     }

@@ -165,7 +165,7 @@ void PlotLegend::place_columns(int columns) {
     width_ = 0;
     for (int column = 0; column < columns; ++column) {
         const int x = width_ + (column > 0 ? column_gap : 0);
-        column_x_[static_cast<std::size_t>(column)] = x;
+        column_x_[column] = x;
         for (const auto& entry : entries_) {
             if (entry.column != column) continue;
             for (const auto& text : entry.text) width_ = std::max(width_, x + sample_width + sample_gap + text.width);
@@ -175,7 +175,7 @@ void PlotLegend::place_columns(int columns) {
 
 void PlotLegend::draw(image::Canvas& canvas, int x0, int y0) const {
     for (const auto& entry : entries_) {
-        const int x = x0 + column_x_[static_cast<std::size_t>(entry.column)], y = y0 + entry.y;
+        const int x = x0 + column_x_[entry.column], y = y0 + entry.y;
         int text_y = y;
         for (const auto& text : entry.text) {
             canvas.text(x + sample_width + sample_gap, text_y + font_size_ - text.baseline, text, image::style::ink);

@@ -277,7 +277,7 @@ std::vector<int> count_steps(const Tape& tape) {
         const auto operands = tape.operands_of(i);
         is_constant.push_back(op == TapeOp::constant ||
                               (!operands.empty() && std::ranges::all_of(operands, [&](NodeId operand) {
-                                  return static_cast<bool>(is_constant[static_cast<std::size_t>(operand)]);
+                                  return static_cast<bool>(is_constant[operand]);
                               })));
         step += !is_given(op) && !is_constant.back();
         steps.push_back(step);
@@ -294,7 +294,7 @@ std::vector<MinimalRow> minimal_rows(const RepairSummary& summary) {
     const std::vector<int> steps = count_steps(summary.repair.tape);
     for (std::size_t k = 0; k < wider_set.operations.size(); ++k)
         rows.push_back({operation_text(summary, wider_set.operations[k]),
-                        steps[static_cast<std::size_t>(wider_set.operations[k])], &wider_set.quality_without[k],
+                        steps[wider_set.operations[k]], &wider_set.quality_without[k],
                         wider_set.quality_without[k].meets(summary.request.requirement)});
     return rows;
 }

@@ -45,7 +45,7 @@ std::string quality_clause(const FormQuality& quality, const measure::choose::Re
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary) {
-    const auto growth_name = measure::choose::growth_names[static_cast<std::size_t>(margin.growth)];
+    const auto growth_name = measure::choose::growth_names[margin.growth];
     const auto& requirement = summary.request.requirement;
     if (margin.holding_factor == 0)
         return fmt::format("{}: fails already as it is, on a smaller picture: {}", growth_name,

@@ -74,7 +74,7 @@ void TapeCode::assign_names(const TapeCode* reference) {
         const TapeNode& n = tape_[i];
         std::string name;
         if (n.op == TapeOp::input) {
-            name = input_names_.at(static_cast<std::size_t>(n.operands[0]));
+            name = input_names_.at(n.operands[0]);
             if (name == "ray.tmax") name = "tmax";
             else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, language_.primitive_prefix);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
@@ -117,7 +117,7 @@ std::string TapeCode::make_key(const TapeNode& n) const {
         if (tape_[operand].op == TapeOp::convert) operand = tape_[operand].operands[0];
         const bool is_constant = tape_[operand].op == TapeOp::constant;
         text += " " + (is_constant ? fmt::format("{}", tape_[operand].operands[0])
-                                   : first_names_[static_cast<std::size_t>(operand)]);
+                                   : first_names_[operand]);
     }
     return text;
 }
@@ -129,7 +129,7 @@ std::string TapeCode::input_difference_name(const TapeNode& n) const {
         const TapeNode* operand = &tape_[n.operands[k]];
         if (operand->op == TapeOp::convert) operand = &tape_[operand->operands[0]];
         if (operand->op != TapeOp::input) return "";
-        names[k] = input_names_.at(static_cast<std::size_t>(operand->operands[0]));
+        names[k] = input_names_.at(operand->operands[0]);
     }
     const auto dot = names[0].find('.');
     if (dot == std::string::npos || !names[1].ends_with(names[0].substr(dot))) return "";
@@ -159,7 +159,7 @@ void TapeCode::choose_inlined() {
         std::size_t characters = is_given(n.op) ? std::max(name(i).size(), std::size_t{4}) : 0;
         for (const NodeId operand : n.operands) {
             if (is_given(n.op) || operand == no_node) continue;
-            characters += length[static_cast<std::size_t>(operand)] + (n.op == TapeOp::convert ? 0 : 3);
+            characters += length[operand] + (n.op == TapeOp::convert ? 0 : 3);
         }
         const bool needs_no_statement = is_given(n.op) || n.op == TapeOp::convert;
         const bool fits_inside = n.label.empty() && characters <= max_inlined_characters && count_uses(i) == 1 &&

@@ -50,7 +50,7 @@ protected:
     [[nodiscard]] virtual int precedence(NodeId i) const = 0;
 
     [[nodiscard]] bool is_wide(NodeId i) const { return tape_.format_of(i) != form_format_; }
-    [[nodiscard]] const std::string& name(NodeId i) const { return names_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const std::string& name(NodeId i) const { return names_[i]; }
 
     const Tape& tape_;
 
@@ -64,7 +64,7 @@ private:
     [[nodiscard]] std::string identifier(std::string_view label) const;
     /// Counts the operations that use a result. A conversion counts as often as its own result is used.
     [[nodiscard]] int count_uses(NodeId i) const;
-    [[nodiscard]] bool is_inlined(NodeId i) const { return is_inlined_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] bool is_inlined(NodeId i) const { return is_inlined_[i]; }
     /// Decides which expressions are written inside others.
     void choose_inlined();
 

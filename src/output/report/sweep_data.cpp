@@ -129,8 +129,8 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
             });
             row["judged"] = intersect::convention_name(request.tested_forms[r].touching);
             row["verdicts"] = json_array(cases, [&](const std::vector<FormSummary>& case_summaries) {
-                return measure::sweep::verdict_names[static_cast<std::size_t>(
-                    measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
+                return measure::sweep::verdict_names[
+                    measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits)];
             });
         });
 }

@@ -237,7 +237,7 @@ std::string offset_overview(const std::vector<StudySection>& parts) {
         for (std::size_t k = 0; k < strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*strategies[k])));
             for (const StudySection& p : parts)
-                text += fraction_cell(p.wrong_fractions[static_cast<std::size_t>(side)][k]);
+                text += fraction_cell(p.wrong_fractions[side][k]);
             text += "</tr>\n";
         }
         text += end_table;

@@ -48,7 +48,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
              "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
              "would cost the remaining bits), wrong_value, or the most frequent wrong decision",
              right_meaning(request.file), within_meaning(request.file)),
-         [](const R& r) { return measure::sweep::verdict_names[static_cast<std::size_t>(r.verdict)]; }}};
+         [](const R& r) { return measure::sweep::verdict_names[r.verdict]; }}};
     return table.add(summary, &R::summary);
 }
 
@@ -76,7 +76,7 @@ private:
     /// A cell in the colour of a wrong outcome. If only some of the rays have the outcome, the cell gives their number.
     [[nodiscard]] static plot::MatrixCell wrong_cell(const FormSummary& s, Outcome o) {
         const std::uint64_t n = s.count(o);
-        return {image::outcome_colours[static_cast<std::size_t>(o)],
+        return {image::outcome_colours[o],
                 n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
     }
 
@@ -132,7 +132,7 @@ void add_outcomes_to_legend(plot::MatrixPlotSpec& spec, const std::vector<std::v
             return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
         });
         if (occurs)
-            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
+            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[o], {}});
     }
 }
 

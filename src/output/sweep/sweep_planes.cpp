@@ -142,7 +142,7 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
             } else {
                 const Outcome worst_outcome = s.most_frequent_wrong_decision().value();
                 cell.colour = pixel::colour_of(worst_outcome);
-                ++drawn.counts.outcomes[static_cast<std::size_t>(worst_outcome)];
+                ++drawn.counts.outcomes[worst_outcome];
             }
 
             drawn.cells.push_back(cell);

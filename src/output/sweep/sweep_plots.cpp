@@ -272,7 +272,7 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
     // Fraction of marches that ran out of steps or stopped moving.
     const auto unfinished = [stop_index](const FormSummary& s) {
         const auto count_of = [&](intersect::StopReason reason) {
-            return s.categories[stop_index][static_cast<std::size_t>(reason)];
+            return s.categories[stop_index][reason];
         };
         return static_cast<double>(count_of(intersect::StopReason::max_steps) +
                                    count_of(intersect::StopReason::stagnated)) /
@@ -381,7 +381,7 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
         save("lost_bits_p50", lost_bits_plot(sweep, format, 0.5));
         save("lost_bits_p99", lost_bits_plot(sweep, format, 0.99));
         for (const Outcome o : wrong_outcomes(sweep, format))
-            save(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)]),
+            save(std::string(measure::answer::outcome_names[o]),
                  outcome_plot(sweep, format, o));
         write_march_plots(save, sweep, format);
 

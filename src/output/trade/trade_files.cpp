@@ -363,7 +363,7 @@ void TradeWriter::finish(const TradeResult& result) {
     table::close_tables(folder_,
                         request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
                                        : fmt::format("Speed against accuracy of the {} forms",
-                                                     shape_names[static_cast<std::size_t>(request_.shape)]),
+                                                     shape_names[request_.shape]),
                         times_, pareto_);
 }
 

@@ -115,7 +115,7 @@ Primitive<Real> translate(const Primitive<Real>& primitive, const Vec<Real>& off
     if (primitive.transform) {
         const Affine<Real> m = primitive.transform->map();
         const Vec<Real> shift = primitive.transform->is_inverse ? Vec<Real>(-m.linear(offset)) : offset;
-        for (int i = 0; i < 3; ++i) result.transform->matrix[static_cast<std::size_t>(4 * i + 3)] += shift[i];
+        for (int i = 0; i < 3; ++i) result.transform->matrix[4 * i + 3] += shift[i];
         return result;
     }
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {

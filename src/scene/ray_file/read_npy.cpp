@@ -238,7 +238,7 @@ void add_field(const NpyHeader::Field& field, const std::string& file, std::uint
     for (std::uint64_t k = 0; k < count; ++k) {
         const std::string name = field.shape.empty() ? field.name
                                  : parts.empty()     ? fmt::format("{}_{}", field.name, k)
-                                                     : parts[static_cast<std::size_t>(k)];
+                                                     : parts[k];
         columns.push_back({name, type, begin + k * type.size});
     }
 }

@@ -129,10 +129,10 @@ namespace {
 /// Marks the nodes that the numbers of a ray depend on, and these numbers.
 std::vector<bool> find_used_nodes(const Tape& tape, const std::array<NodeId, 6>& ray) {
     std::vector<bool> is_used(tape.nodes.size());
-    for (const NodeId id : ray) is_used[static_cast<std::size_t>(id)] = true;
+    for (const NodeId id : ray) is_used[id] = true;
     for (NodeId i = tape.size() - 1; i >= 0; --i) {
-        if (!is_used[static_cast<std::size_t>(i)]) continue;
-        for (const NodeId operand : tape.operands_of(i)) is_used[static_cast<std::size_t>(operand)] = true;
+        if (!is_used[i]) continue;
+        for (const NodeId operand : tape.operands_of(i)) is_used[operand] = true;
     }
     return is_used;
 }
@@ -156,14 +156,14 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
     std::vector<NodeId> new_ids(tape.nodes.size(), no_node);
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
-        if (!is_used[static_cast<std::size_t>(i)]) continue;
+        if (!is_used[i]) continue;
         const auto operand = [&](std::size_t k) {
             const NodeId id = node.operands[k];
-            return is_given(node.op) || id == no_node ? id : new_ids[static_cast<std::size_t>(id)];
+            return is_given(node.op) || id == no_node ? id : new_ids[id];
         };
-        NodeId& new_id = new_ids[static_cast<std::size_t>(i)];
+        NodeId& new_id = new_ids[i];
         if (node.op == TapeOp::input) {
-            recorded.names.push_back(names[static_cast<std::size_t>(node.operands[0])]);
+            recorded.names.push_back(names[node.operands[0]]);
             new_id = recorded.tape.add_input(format.parameters, node.value);
         } else {
             new_id = recorded.tape.add(node.op, tape.format_of(i), node.value, {operand(0), operand(1), operand(2)});
@@ -174,7 +174,7 @@ RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates
     // Names the six numbers of the ray.
     constexpr std::array<std::string_view, 6> numbers{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
     for (std::size_t k = 0; k < ray.size(); ++k) {
-        recorded.ray[k] = new_ids[static_cast<std::size_t>(ray[k])];
+        recorded.ray[k] = new_ids[ray[k]];
         recorded.tape.name(recorded.ray[k], numbers[k]);
     }
     return recorded;

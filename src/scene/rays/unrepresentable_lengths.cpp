@@ -116,7 +116,7 @@ std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const
     std::array<std::size_t, shape_rows.size()> count_by_shape{};
     for (const Primitive<Real>& primitive : scene.listed)
         add(round_primitive(primitive, stored), name_of(primitive.shape),
-            count_by_shape[static_cast<std::size_t>(primitive.shape)]++);
+            count_by_shape[primitive.shape]++);
     std::size_t i = 0;
     if (scene.flake)
         sphere::for_each_primitive(*scene.flake, [&](const Primitive<double>& primitive) {

@@ -90,7 +90,7 @@ Primitive<double> triangle_in(Seeded& r, const Box<double>& box) {
         for (int i = 0; i < 3; ++i) {
             const bool high =
                 i == along ? (v == 2 ? end : v == 1) : ((i == (along + 1) % 3) ? first : second) != (v == 2);
-            p[static_cast<std::size_t>(v)][i] = high ? box.hi[i] : box.lo[i];
+            p[v][i] = high ? box.hi[i] : box.lo[i];
         }
     }
     return Triangle<double>{p[0], p[1], p[2]};
@@ -309,8 +309,8 @@ TEST_CASE("one primitive for all rays and one for each ray give the same answers
         each.emplace_back(Sphere<float>{Vec<float>(Vec<double>(r.vec(-1, 1))), 0.5f});
         const Vec<double> o = r.vec(-3, 3), d = r.vec(-1, 1) - 0.5 * o;
         for (int i = 0; i < 3; ++i) {
-            x[static_cast<std::size_t>(i)].push_back(static_cast<float>(o[i]));
-            x[static_cast<std::size_t>(i + 3)].push_back(static_cast<float>(d[i]));
+            x[i].push_back(static_cast<float>(o[i]));
+            x[i + 3].push_back(static_cast<float>(d[i]));
         }
     }
     const intersect::table::RayBatch<float> rays{x[0], x[1], x[2], x[3], x[4], x[5]};

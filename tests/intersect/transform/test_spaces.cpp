@@ -177,8 +177,8 @@ std::vector<S> ask_together(const Kernel& kernel, const std::vector<Asked>& all)
     std::array<std::vector<S>, 6> x;
     for (const Asked& a : all)
         for (int k = 0; k < 3; ++k) {
-            x[static_cast<std::size_t>(k)].push_back(static_cast<S>(a.ray.origin[k]));
-            x[static_cast<std::size_t>(k + 3)].push_back(static_cast<S>(a.ray.direction[k]));
+            x[k].push_back(static_cast<S>(a.ray.origin[k]));
+            x[k + 3].push_back(static_cast<S>(a.ray.direction[k]));
         }
     std::vector<S> t(all.size()), near(all.size()), far(all.size());
     std::vector<std::uint8_t> hit(all.size());

@@ -38,13 +38,13 @@ struct Point {
     Point(const Tape& tape, const std::vector<double>& inputs) {
         for (NodeId i = 0; i < tape.size(); ++i) nodes.push_back(value_of(tape, i, inputs));
     }
-    [[nodiscard]] const Value& at(NodeId i) const { return nodes[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] const Value& at(NodeId i) const { return nodes[i]; }
 
 private:
     [[nodiscard]] Value value_of(const Tape& tape, NodeId i, const std::vector<double>& inputs) const {
         const TapeNode& n = tape[i];
         if (n.op == TapeOp::input) {
-            const double x = inputs[static_cast<std::size_t>(n.operands[0])];
+            const double x = inputs[n.operands[0]];
             return {x, Real(x)};
         }
         if (n.op == TapeOp::constant) return {n.value, Real(static_cast<int>(n.operands[0]))};
@@ -97,14 +97,14 @@ Tape random_tape(Random& random, int operations) {
                  one = tape.add(TapeOp::constant, four_bits, 1, {1});
     std::vector<NodeId> numbers{0, 1, 2, one, tape.add(TapeOp::constant, four_bits, 2, {2})};
     const auto any = [&] {
-        return numbers[static_cast<std::size_t>(random.between(0, static_cast<long>(numbers.size()) - 1))];
+        return numbers[random.between(0, static_cast<long>(numbers.size()) - 1)];
     };
     constexpr std::array ops{TapeOp::add, TapeOp::sub,    TapeOp::mul,     TapeOp::div,       TapeOp::sqrt,
                              TapeOp::fma, TapeOp::neg,    TapeOp::abs,     TapeOp::copysign,  TapeOp::min,
                              TapeOp::max, TapeOp::select, TapeOp::next_up, TapeOp::next_down, TapeOp::convert,
                              TapeOp::add, TapeOp::sub,    TapeOp::mul,     TapeOp::mul,       TapeOp::div};
     for (int k = 0; k < operations; ++k) {
-        const TapeOp op = ops[static_cast<std::size_t>(random.between(0, static_cast<long>(ops.size()) - 1))];
+        const TapeOp op = ops[random.between(0, static_cast<long>(ops.size()) - 1)];
         NodeId a = any(), b = any(), c = any();
         if (k > 0 && !random.one_in(3)) a = numbers.back();
         if (op == TapeOp::select) a = tape.add(TapeOp::less, four_bits, 0, {a, b});

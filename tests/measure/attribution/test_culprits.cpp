@@ -43,7 +43,7 @@ TEST_CASE("every culprit is an operation of its form, and an ordinary miss has n
         if (blame.attribution->culprit == no_node) return;
         REQUIRE(blame.culprit >= 1);
         const auto operations = measure::attribution::operation_names(form, given(s));
-        CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) !=
+        CHECK(std::ranges::find(operations, culprit->categories[blame.culprit]) !=
               operations.end());
         ++blamed;
     };
@@ -92,7 +92,7 @@ TEST_CASE("a range limit changed by rounding has a culprit among the operations,
         attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
     CHECK_FALSE(blame.attribution->is_exact_hit);
     REQUIRE(blame.culprit >= 1);
-    CHECK(culprit->categories[static_cast<std::size_t>(blame.culprit)] == "v.i = o.i - centre.i");
+    CHECK(culprit->categories[blame.culprit] == "v.i = o.i - centre.i");
     const auto chooses = [&](const measure::attribution::Setting& s) {
         return std::ranges::any_of(measure::attribution::operation_names(form, s),
                                    [](const std::string& name) { return name.starts_with("t_in_range = "); });

@@ -83,7 +83,7 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         if (all.result.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
         const auto around = measure::attribution::make_neighbours(
-            ray, in, f32.parameters, {in.format_inputs.primitives[static_cast<std::size_t>(all.primitive_index)]});
+            ray, in, f32.parameters, {in.format_inputs.primitives[all.primitive_index]});
         const auto mean = [&](const Intersector& each) {
             double sum = 0;
             for (const OneRay& beside : around) sum += lost(each, beside);

@@ -20,7 +20,7 @@ struct Shuffled {
     Tape tape;
     std::vector<NodeId> place;  ///< of each node of the tape as it was
 
-    [[nodiscard]] NodeId at(NodeId i) const { return i == no_node ? no_node : place[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] NodeId at(NodeId i) const { return i == no_node ? no_node : place[i]; }
     [[nodiscard]] std::vector<NodeId> at(std::vector<NodeId> nodes) const {
         for (NodeId& i : nodes) i = at(i);
         return nodes;
@@ -36,23 +36,23 @@ Shuffled shuffle(const Tape& tape, Random& random) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         for (const NodeId operand : tape.operands_of(i)) {
             if (operand == no_node) continue;
-            users[static_cast<std::size_t>(operand)].push_back(i);
-            ++waits[static_cast<std::size_t>(i)];
+            users[operand].push_back(i);
+            ++waits[i];
         }
-        if (waits[static_cast<std::size_t>(i)] == 0) ready.push_back(i);
+        if (waits[i] == 0) ready.push_back(i);
     }
     NodeId next = 0;
     while (!ready.empty()) {
         const auto k = static_cast<std::size_t>(random.unit() * static_cast<double>(ready.size()));
         const NodeId i = ready[k];
         ready.erase(ready.begin() + static_cast<std::ptrdiff_t>(k));
-        s.place[static_cast<std::size_t>(i)] = next;
+        s.place[i] = next;
         TapeNode& n = s.tape[next++] = tape[i];
         if (!is_given(n.op)) {
             for (NodeId& operand : n.operands) operand = s.at(operand);
         }
-        for (const NodeId user : users[static_cast<std::size_t>(i)]) {
-            if (--waits[static_cast<std::size_t>(user)] == 0) ready.push_back(user);
+        for (const NodeId user : users[i]) {
+            if (--waits[user] == 0) ready.push_back(user);
         }
     }
     for (TapeCall& call : s.tape.calls) call.node = s.at(call.node), call.arguments = s.at(call.arguments);

@@ -90,7 +90,7 @@ double compare(const Scene& s) {
             want = metric.value({.t = s.answers[i],
                                  .format = &s.format,
                                  .ray = &ray,
-                                 .primitive = &s.primitives[static_cast<std::size_t>(s.objects[i])]});
+                                 .primitive = &s.primitives[s.objects[i]]});
         if (std::bit_cast<std::uint64_t>(values[i]) == std::bit_cast<std::uint64_t>(want)) continue;
         if (++wrong < 5) UNSCOPED_INFO("ray " << i << ": " << std::hexfloat << values[i] << ", not " << want);
     }

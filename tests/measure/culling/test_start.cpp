@@ -81,8 +81,8 @@ bool has_inside(const std::string& shape) {
 exact::Problem problem_of(const Ray<double>& ray, const Primitive<double>& primitive) {
     exact::Problem p{};
     for (int i = 0; i < 3; ++i) {
-        p.ray[static_cast<std::size_t>(i)] = ray.origin[i];
-        p.ray[static_cast<std::size_t>(3 + i)] = ray.direction[i];
+        p.ray[i] = ray.origin[i];
+        p.ray[3 + i] = ray.direction[i];
     }
     std::ranges::copy(primitive.shape_numbers(), p.primitive.begin());
     if (primitive.transform)
@@ -239,8 +239,8 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets where squares 
         }
         scene::rays::RayBlock rays;
         for (int i = 0; i < 40; ++i) {
-            const Vec<double> to = primitives[static_cast<std::size_t>(2 * i)].transform
-                                       ? primitives[static_cast<std::size_t>(2 * i)].transform->map().shift
+            const Vec<double> to = primitives[2 * i].transform
+                                       ? primitives[2 * i].transform->map().shift
                                        : scaled_by(rng.vec(-2, 2), own);
             const Vec<double> direction = rng.vec(-1, 1);
             const double away = has_transform ? 16 : std::ldexp(8.0, i % 2 == 0 ? own : 0);

@@ -85,7 +85,7 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
     for (int i = 0; i < count; ++i) {
         Primitive<double> primitive;
         primitive.shape = shape;
-        for (int k = 0; k < 3; ++k) primitive.numbers[static_cast<std::size_t>(k)] = any(4);
+        for (int k = 0; k < 3; ++k) primitive.numbers[k] = any(4);
         for (std::size_t k = 3; k < primitive.shape_numbers().size(); ++k) {
             const double size = std::fabs(any(2)) + 0x1p-10;
             primitive.numbers[k] = shape == Shape::sphere ? size : static_cast<float>(primitive.numbers[k - 3] + size);
@@ -93,7 +93,7 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
         const Vec<double> o(any(10), any(10), any(10));
         Vec<double> d;
         for (int k = 0; k < 3; ++k)
-            d[k] = static_cast<float>(primitive.numbers[static_cast<std::size_t>(k)] + any(1.2) - o[k]);
+            d[k] = static_cast<float>(primitive.numbers[k] + any(1.2) - o[k]);
         if (random.index(8) == 0) d[random.index(3)] = 0;
         if (d.x == 0 && d.y == 0 && d.z == 0) d.x = 1;
         group.rays.push({o, d});

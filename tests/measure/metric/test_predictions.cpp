@@ -29,7 +29,7 @@ struct Explained {
 
     Explained(Tape of, const Format& in)
         : tape(std::move(of)), format(in), attribution(measure::attribution::attribute(tape)) {
-        const double exact = attribution.errors[static_cast<std::size_t>(tape.outputs.t)].exact;
+        const double exact = attribution.errors[tape.outputs.t].exact;
         blame = {.tape = &tape,
                  .attribution = &attribution,
                  .ulp = std::ldexp(1.0, std::ilogb(exact) - in.parameters.precision + 1)};
@@ -44,7 +44,7 @@ struct Explained {
     [[nodiscard]] std::string_view decision(Outcome of) {
         outcome = of;
         const auto names = measure::metric::find_metric("cestac_decision")->categories;
-        return names[static_cast<std::size_t>(metric("cestac_decision"))];
+        return names[metric("cestac_decision")];
     }
 };
 
@@ -96,7 +96,7 @@ TEST_CASE("an error is at most the root of n times what n independent errors wou
             return;
         int n = 0;
         for (NodeId k = 0; k < tape.size(); ++k) {
-            const auto& e = found.errors[static_cast<std::size_t>(k)];
+            const auto& e = found.errors[k];
             if (!e.is_live || e.rounding == 0) continue;
             if (kind_of(tape[k].op) != OperationKind::rounded && tape[k].op != TapeOp::convert) return;
             ++n;

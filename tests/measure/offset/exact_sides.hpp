@@ -22,7 +22,7 @@ inline ExactMeeting exact_meeting(const measure::offset::HalfLine& line, const P
     if (primitive.shape == Shape::sphere) {
         Rational a = 0, half_b = 0, c = -Rational(primitive.numbers[3]) * Rational(primitive.numbers[3]);
         for (int i = 0; i < 3; ++i) {
-            const Rational f = q[i] - Rational(primitive.numbers[static_cast<std::size_t>(i)]);
+            const Rational f = q[i] - Rational(primitive.numbers[i]);
             a += w[i] * w[i];
             half_b += f * w[i];
             c += f * f;

@@ -67,7 +67,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
                     std::vector<StrategyAtPoint> at(2 * strategies.size());
                     if (!work.measure(points.met[k], sides, at)) continue;
                     for (const Side side : both_sides) {
-                        const SideOfPoint& s = sides[static_cast<std::size_t>(side)];
+                        const SideOfPoint& s = sides[side];
                         for (const bool by_form : {false, true}) {
                             const double e = by_form ? s.quiet_offset : s.safe_offset;
                             CAPTURE(scene, format, name_of(point), name_of(side), by_form, k, e);
@@ -126,8 +126,8 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
     }
     for (const Fault f : {Fault::self_hit, Fault::self_hit_by_form, Fault::lost_occluder, Fault::lost_exit,
                           Fault::lost_exit_by_form, Fault::wrong_side}) {
-        INFO(fault_names[static_cast<std::size_t>(f)]);
-        CHECK(seen[static_cast<std::size_t>(f)] > 0);
+        INFO(fault_names[f]);
+        CHECK(seen[f] > 0);
     }
 }
 

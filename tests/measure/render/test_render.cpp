@@ -95,11 +95,11 @@ TEST_CASE("the certified picture equals plain formulas in 256 bits in every chan
                 const TrueColour& c = run.truth[i].colours[stage];
                 REQUIRE(c.is_certain);
                 for (int k = 0; k < 3; ++k) {
-                    const TwoPartNumber& channel = c.channel[static_cast<std::size_t>(k)];
+                    const TwoPartNumber& channel = c.channel[k];
                     REQUIRE(abs(Real(channel.hi) + Real(channel.lo) - plain.colour[stage][k]) < 0x1p-70);
                     const Real byte =
                         std::clamp(Real(floor(255 * plain.colour[stage][k] + Real(0.5))), Real(0), Real(255));
-                    REQUIRE(byte == static_cast<int>(c.byte[static_cast<std::size_t>(k)]));
+                    REQUIRE(byte == static_cast<int>(c.byte[k]));
                 }
             }
             REQUIRE((run.truth[i].shadow == TrueShadow::shadowed) == plain.shadowed);

@@ -31,7 +31,7 @@ public:
     explicit Columns(std::span<const Problem> problems) : size_(problems.size()) {
         for (const Problem& p : problems) {
             for (int k = 0; k < 3; ++k) {
-                numbers_[static_cast<std::size_t>(k)].push_back(static_cast<S>(p.ray.origin[k]));
+                numbers_[k].push_back(static_cast<S>(p.ray.origin[k]));
                 numbers_[static_cast<std::size_t>(k) + 3].push_back(static_cast<S>(p.ray.direction[k]));
             }
             for (std::size_t k = 0; k < 6; ++k) numbers_[6 + k].push_back(static_cast<S>(p.primitive.numbers[k]));

@@ -51,7 +51,7 @@ TEST_CASE("unit directions in packs equal those computed alone", "[measure][stag
                 for (std::size_t i = 0; i < given[0].size(); ++i) {
                     const Vec<double> want =
                         measure::truth::unit_direction({given[0][i], given[1][i], given[2][i]}, format);
-                    for (int k = 0; k < 3; ++k) wrong += !same(all[static_cast<std::size_t>(k)][i], want[k]);
+                    for (int k = 0; k < 3; ++k) wrong += !same(all[k][i], want[k]);
                 }
                 INFO(format.precision << " bits" << (extreme ? ", extreme" : ""));
                 CHECK(wrong == 0);

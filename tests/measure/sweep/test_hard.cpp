@@ -58,7 +58,7 @@ TEST_CASE("every hard ray has the measured value in its name") {
                 ++decisions;
                 const auto outcome = std::ranges::find(measure::answer::outcome_names, what);
                 REQUIRE(outcome != measure::answer::outcome_names.end());
-                CHECK(s.outcomes[static_cast<std::size_t>(outcome - measure::answer::outcome_names.begin())] == 1);
+                CHECK(s.outcomes[outcome - measure::answer::outcome_names.begin()] == 1);
             }
         }
         CHECK(rows.size() == file.size());  // a row is named once

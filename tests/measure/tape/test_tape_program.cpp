@@ -43,8 +43,8 @@ std::vector<Hit<double>> in_columns(const TapeProgram& program, const std::vecto
     std::vector<Primitive<S>> primitives;
     for (std::size_t i = 0; i < n; ++i) {
         for (int k = 0; k < 3; ++k) {
-            x[static_cast<std::size_t>(k)][i] = static_cast<S>(settings[i].ray.origin[k]);
-            x[static_cast<std::size_t>(3 + k)][i] = static_cast<S>(settings[i].ray.direction[k]);
+            x[k][i] = static_cast<S>(settings[i].ray.origin[k]);
+            x[3 + k][i] = static_cast<S>(settings[i].ray.direction[k]);
         }
         primitives.push_back(
             convert_numbers(settings[i].primitives.front(), [](double v) { return static_cast<S>(v); }));
@@ -70,11 +70,11 @@ Hit<double> node_by_node(const Tape& tape, const Setting& s) {
     for (const double x : s.primitives.front().shape_numbers()) inputs.push_back(x);
     inputs.push_back(HUGE_VAL);
     std::vector<double> value(tape.nodes.size());
-    const auto at = [&](NodeId i) -> double& { return value[static_cast<std::size_t>(i)]; };
+    const auto at = [&](NodeId i) -> double& { return value[i]; };
     struct Judge {
         const std::vector<double>& value;
         const TapeNode& n;
-        [[nodiscard]] double of(std::size_t k) const { return value[static_cast<std::size_t>(n.operands[k])]; }
+        [[nodiscard]] double of(std::size_t k) const { return value[n.operands[k]]; }
         [[nodiscard]] bool less(std::size_t k, std::size_t l) const { return of(k) < of(l); }
         [[nodiscard]] bool less_equal(std::size_t k, std::size_t l) const { return of(k) <= of(l); }
         [[nodiscard]] bool holds(std::size_t k) const { return of(k) != 0; }
@@ -82,7 +82,7 @@ Hit<double> node_by_node(const Tape& tape, const Setting& s) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& n = tape[i];
         const Judge judge{value, n};
-        if (n.op == TapeOp::input) at(i) = inputs.at(static_cast<std::size_t>(n.operands[0]));
+        if (n.op == TapeOp::input) at(i) = inputs.at(n.operands[0]);
         else if (n.op == TapeOp::constant) at(i) = n.value;
         else if (is_decision(n.op)) at(i) = attribution::holds(n.op, judge) ? 1 : 0;
         else if (kind_of(n.op) == OperationKind::choice) at(i) = at(attribution::chosen_side(n, judge));

@@ -63,7 +63,7 @@ inline Box<double> integer_box(Seeded& rng) {
 inline Vec<double> point_of(Seeded& rng, const Box<double>& box, const std::array<int, 3>& place) {
     Vec<double> p(0);
     for (int i = 0; i < 3; ++i) {
-        const int where = place[static_cast<std::size_t>(i)];
+        const int where = place[i];
         const auto side = static_cast<std::int64_t>(box.hi[i] - box.lo[i]);
         p[i] = where < 0   ? box.lo[i]
                : where > 0 ? box.hi[i]
@@ -93,7 +93,7 @@ inline BoxSample through(Seeded& rng, const Box<double>& box, const Vec<double>&
 
 inline std::array<int, 3> shuffled(Seeded& rng, std::array<int, 3> v) {
     for (int i = 2; i > 0; --i)
-        std::swap(v[static_cast<std::size_t>(i)], v[static_cast<std::size_t>(rng.index(i + 1))]);
+        std::swap(v[i], v[rng.index(i + 1)]);
     return v;
 }
 

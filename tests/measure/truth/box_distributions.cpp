@@ -33,7 +33,7 @@ BoxSample along_face(Seeded& rng, const FloatFormat&) {
     const Box<double> box = integer_box(rng);
     const int axis = rng.index(3);
     std::array<int, 3> place{0, 0, 0};
-    place[static_cast<std::size_t>(axis)] = side(rng);
+    place[axis] = side(rng);
     Vec<double> d = integer_direction(rng);
     d[axis] = zero(rng);
     return through(rng, box, point_of(rng, box, place), d);
@@ -46,7 +46,7 @@ BoxSample across_edge(Seeded& rng, const FloatFormat&) {
     Vec<double> d = integer_direction(rng);
     int met = 0;
     for (int i = 0; i < 3; ++i) {
-        const int where = place[static_cast<std::size_t>(i)];
+        const int where = place[i];
         if (where == 0) continue;
         d[i] = (met++ == 0 ? 1 : -1) * where * std::fabs(d[i]);
     }
@@ -59,8 +59,8 @@ BoxSample across_corner(Seeded& rng, const FloatFormat&) {
     const std::array<int, 3> place{side(rng), side(rng), side(rng)};
     Vec<double> d = integer_direction(rng);
     const int in = rng.index(3), out = (in + 1 + rng.index(2)) % 3;
-    d[in] = -place[static_cast<std::size_t>(in)] * std::fabs(d[in]);
-    d[out] = place[static_cast<std::size_t>(out)] * std::fabs(d[out]);
+    d[in] = -place[in] * std::fabs(d[in]);
+    d[out] = place[out] * std::fabs(d[out]);
     return through(rng, box, point_of(rng, box, place), d);
 }
 
@@ -82,7 +82,7 @@ BoxSample axis_parallel(Seeded& rng, const FloatFormat&) {
     Vec<double> d = integer_direction(rng);
     Vec<double> p = point_of(rng, box, {rng.index(3) - 1, rng.index(3) - 1, rng.index(3) - 1});
     for (int i = 0; i < 3; ++i) {
-        if (along[static_cast<std::size_t>(i)] == 0) d[i] = zero(rng);
+        if (along[i] == 0) d[i] = zero(rng);
         if (rng.index(6) != 0) continue;
         const auto beside = static_cast<double>(rng.integer(1, 700));
         p[i] += rng.coin() ? beside : -beside;
@@ -116,7 +116,7 @@ BoxSample at_end(Seeded& rng, const FloatFormat&) {
     const auto place = shuffled(rng, {side(rng), 0, 0});
     Vec<double> d = integer_direction(rng);
     for (int i = 0; i < 3; ++i) {
-        if (place[static_cast<std::size_t>(i)] != 0) d[i] = -place[static_cast<std::size_t>(i)] * std::fabs(d[i]);
+        if (place[i] != 0) d[i] = -place[i] * std::fabs(d[i]);
     }
     const auto steps = static_cast<double>(rng.integer(1, 400));
     return {{point_of(rng, box, place) - steps * d, d}, box, steps};

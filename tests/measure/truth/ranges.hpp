@@ -15,7 +15,7 @@ namespace lostbits::test {
 
 /// An end at one of these t, beside one, between two, or anywhere among the numbers of a format.
 inline double end_about(Seeded& rng, std::span<const double> roots, const FloatFormat& storage) {
-    const double root = roots[static_cast<std::size_t>(rng.index(static_cast<int>(roots.size())))];
+    const double root = roots[rng.index(static_cast<int>(roots.size()))];
     const double at = stored(root, storage);
     const auto beside = [&](double towards) {
         if (storage != binary32) return std::nextafter(at, towards);

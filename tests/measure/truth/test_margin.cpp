@@ -259,7 +259,7 @@ bool is_witness(const test::MarginProblem& problem, const Margin& margin, Pertur
     Ray<Real> ray = lift_ray<Real>(problem.ray);
     Primitive<Real> primitive = lift_primitive<Real>(problem.primitive);
     for (int i = 0; i < 3; ++i) {
-        ray.origin[i] += margin.reached_change[static_cast<std::size_t>(i)];
+        ray.origin[i] += margin.reached_change[i];
         ray.direction[i] += margin.reached_change[static_cast<std::size_t>(i) + 3];
     }
     for (std::size_t i = 0; i < primitive.shape_numbers().size(); ++i)

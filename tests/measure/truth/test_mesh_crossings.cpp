@@ -145,7 +145,7 @@ TEST_CASE("crossings of rays with triangles agree with integer arithmetic, also 
     for (int soup = 0; soup < 20; ++soup) {
         std::vector<Corners> mesh;
         for (int k = 0; k < 400; ++k) mesh.push_back(draw.triangle(soup % 2 == 0 ? 4 : 12));
-        for (int k = 0; k < 20; ++k) mesh.push_back(mesh[static_cast<std::size_t>(draw.below(400))]);  // duplicates
+        for (int k = 0; k < 20; ++k) mesh.push_back(mesh[draw.below(400)]);  // duplicates
         for (int k = 0; k < 7; ++k) add_box(mesh, draw.point(8), {1 + draw.below(4), 2, 3}, k % 2 == 0, draw);
         const PrimitiveList<double> primitives = primitives_of(mesh);
         const auto tree = tree_of(primitives);

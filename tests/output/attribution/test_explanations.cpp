@@ -275,7 +275,7 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
             for (int what = 0; what < 4; ++what) {
                 Explanation x = s.x;
                 measure::attribution::OperationError& e =
-                    x.attribution.errors[static_cast<std::size_t>(x.attribution.culprit)];
+                    x.attribution.errors[x.attribution.culprit];
                 if (what == 0) e.contribution = odd;
                 if (what == 1) e.contribution = odd, x.attribution.equal_culprits.push_back(x.attribution.culprit);
                 if (what == 2) e.rounding = e.error = odd;

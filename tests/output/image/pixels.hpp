@@ -11,11 +11,11 @@
 namespace lostbits::output::test {
 
 inline output::image::Rgb8 pixel_at(const output::image::PngImage& image, int x, int y) {
-    return image.pixels[static_cast<std::size_t>(y * image.width + x)];
+    return image.pixels[y * image.width + x];
 }
 
 inline output::image::Rgb8 pixel_at(const output::image::Canvas& canvas, int x, int y) {
-    return canvas.pixels()[static_cast<std::size_t>(y * canvas.width() + x)];
+    return canvas.pixels()[y * canvas.width() + x];
 }
 
 inline std::int64_t count_of(const output::image::PngImage& image, output::image::Rgb8 colour) {

@@ -39,11 +39,11 @@ TEST_CASE("a thumbnail averages in linear light, exactly and in any order of row
                 };
                 const double w = part(x, x + 1, i * 333.0 / 160, (i + 1) * 333.0 / 160) *
                                  part(y, y + 1, j * 211.0 / down.height(), (j + 1) * 211.0 / down.height());
-                sum += w * linear_light(noise[static_cast<std::size_t>(y * 333 + x)].r);
+                sum += w * linear_light(noise[y * 333 + x].r);
                 weight += w;
             }
         }
-        const Rgb8 got = down.pixels()[static_cast<std::size_t>(j * 160 + i)];
+        const Rgb8 got = down.pixels()[j * 160 + i];
         CHECK(std::abs(got.r - srgb_byte(static_cast<std::uint16_t>(std::lround(sum / weight)))) <= 1);
         CHECK(got.b == 7);
     }
@@ -56,7 +56,7 @@ TEST_CASE("a thumbnail of categories has only colours of the field", "[thumbnail
         INFO(width << " x " << height);
         std::vector<Rgb8> field;
         for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) field.push_back(names[static_cast<std::size_t>((7 * x + 5 * y) % 3)]);
+            for (int x = 0; x < width; ++x) field.push_back(names[(7 * x + 5 * y) % 3]);
         }
         Thumbnail down(width, height, Thumbnail::Shrink::pick), up(width, height, Thumbnail::Shrink::pick);
         const auto row = [&](int y) {
@@ -70,8 +70,8 @@ TEST_CASE("a thumbnail of categories has only colours of the field", "[thumbnail
         for (int j = 0; j < down.height(); ++j) {
             for (int i = 0; i < down.width(); ++i) {
                 const int x = (2 * i + 1) * width / (2 * down.width()), y = (2 * j + 1) * height / (2 * down.height());
-                if (down.pixels()[static_cast<std::size_t>(j * down.width() + i)] !=
-                    field[static_cast<std::size_t>(y * width + x)])
+                if (down.pixels()[j * down.width() + i] !=
+                    field[y * width + x])
                     FAIL_CHECK(i << ", " << j);
             }
         }

@@ -157,7 +157,7 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
             const rays::RayBlock native = made.rounded_rays(format.parameters, 0, height);
             for (const auto& [x, y] : {std::pair(0, 0), std::pair(width - 1, 2)}) {
                 const rays::RecordedRay recorded = made.record(format, {x, y});
-                const Ray<double> one = native[static_cast<std::size_t>(y * width + x)];
+                const Ray<double> one = native[y * width + x];
                 for (std::size_t k = 0; k < 6; ++k) {
                     const double value = recorded.tape[recorded.ray[k]].value;
                     const double there = (k < 3 ? one.origin : one.direction)[static_cast<int>(k % 3)];

@@ -47,7 +47,7 @@ void require_same(const std::vector<Chunk>& chunks, const Columns& c) {
         for (std::size_t i = 0; i < chunk.size(); ++i, ++row) {
             const Ray<double> ray = chunk.rays[i];
             for (int k = 0; k < 3; ++k) {
-                REQUIRE(ray.origin[k] == c.numbers[static_cast<std::size_t>(k)][row]);
+                REQUIRE(ray.origin[k] == c.numbers[k][row]);
                 REQUIRE(ray.direction[k] == c.numbers[static_cast<std::size_t>(k) + 3][row]);
             }
             for (std::size_t k = 0; k < 4; ++k) REQUIRE(chunk.primitives[i].numbers[k] == c.numbers[6 + k][row]);

@@ -86,7 +86,7 @@ T largest_intermediate(const Ray<T>& ray, const OrderedSlabs<T>& slabs) {
     T largest(0);
     for (int axis = 0; axis < 3; ++axis) {
         const T d = ray.direction[axis], inv = T(1) / d;
-        const T dmax = (slabs.planes[static_cast<std::size_t>(axis)].second - ray.origin[axis]) * inv;
+        const T dmax = (slabs.planes[axis].second - ray.origin[axis]) * inv;
         largest = max(inv * d, max(dmax * abs(d), largest));
     }
     return largest;
@@ -114,8 +114,8 @@ mask_t<T> fits(const Ray<T>& ray, const OrderedSlabs<T>& slabs, const T& limit) 
         for (int axis = 0; axis < 3; ++axis) {
             check_size(ray.origin[axis]);
             check_size(ray.direction[axis]);
-            check_size(slabs.planes[static_cast<std::size_t>(axis)].first);
-            check_size(slabs.planes[static_cast<std::size_t>(axis)].second);
+            check_size(slabs.planes[axis].first);
+            check_size(slabs.planes[axis].second);
         }
         const mask_t<B> is_endless = number::wide::widen<B>(limit) >= beyond_every_t<B>();
         check_size(select(is_endless, T(0), limit));
@@ -136,11 +136,11 @@ static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>&
     for (int axis = 0; axis < 3; ++axis) {
         const W d = widen_number(ray.direction[axis]), o = widen_number(ray.origin[axis]);
         const W sign = copysign(W(1), d);
-        m[static_cast<std::size_t>(axis)] = abs(d);
-        n[static_cast<std::size_t>(axis)] =
-            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].first) - o);
-        f[static_cast<std::size_t>(axis)] =
-            sign * (widen_number(slabs.planes[static_cast<std::size_t>(axis)].second) - o);
+        m[axis] = abs(d);
+        n[axis] =
+            sign * (widen_number(slabs.planes[axis].first) - o);
+        f[axis] =
+            sign * (widen_number(slabs.planes[axis].second) - o);
     }
     const W v = unit_roundoff<W>(), end = min(widen_number(limit), beyond_every_t<W>());
 
@@ -174,7 +174,7 @@ static Segment<T> segment_in(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     using number::wide::narrow, number::wide::widen;
     W tmin(0), tmax = widen<W>(limit);
     for (int axis = 0; axis < 3; ++axis) {
-        const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
+        const Planes<T>& planes = slabs.planes[axis];
         const W d = widen<W>(ray.direction[axis]), o = widen<W>(ray.origin[axis]);
         const mask_t<W> is_moving = abs(d) > W(0);
         tmin = select(is_moving, max((widen<W>(planes.first) - o) / d, tmin), tmin);
@@ -240,7 +240,7 @@ Hit<T> record_exact_decision(const Ray<T>& ray, const OrderedSlabs<T>& slabs, co
     // Collects the inputs of the call. The sign of d exchanges the planes of a slab.
     const Vec<T>&o = ray.origin, &d = ray.direction;
     const auto plane = [&](int axis, const auto& is_exchanged) {
-        const Planes<T>& planes = slabs.planes[static_cast<std::size_t>(axis)];
+        const Planes<T>& planes = slabs.planes[axis];
         return select(is_exchanged(d[axis]), planes.second, planes.first);
     };
     const auto low = [&](int axis) { return plane(axis, [](const T& x) { return copysign(T(1), x) < T(0); }); };

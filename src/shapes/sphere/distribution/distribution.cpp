@@ -48,7 +48,7 @@ struct View {
 
 /// Returns one of the 48 images of a vector under permutations and reflections of the axes.
 Vec<double> permute_and_reflect(Random& random, std::array<double, 3> parts) {
-    std::swap(parts[0], parts[static_cast<std::size_t>(random.below(3))]);
+    std::swap(parts[0], parts[random.below(3)]);
     std::swap(parts[1], parts[1 + static_cast<std::size_t>(random.below(2))]);
     for (double& p : parts) p = random.below(2) == 0 ? p : -p;
     return {parts[0], parts[1], parts[2]};
@@ -75,7 +75,7 @@ View draw_view(Random& random, const SphereDistribution& settings) {
         return {w, length(w)};
     }
     static const std::vector<Quadruple> quadruples = pythagorean_quadruples();
-    const Quadruple& q = quadruples[static_cast<std::size_t>(random.below(static_cast<int>(quadruples.size())))];
+    const Quadruple& q = quadruples[random.below(static_cast<int>(quadruples.size()))];
     return {permute_and_reflect(random, {double(q.a), double(q.b), double(q.c)}), static_cast<double>(q.n)};
 }
 
