@@ -33,7 +33,7 @@ struct ShapeSet {
     std::array<std::vector<double>, 6> wide;
     std::array<std::vector<float>, 6> narrow;
     Primitive<double> primitive;
-    std::array<float, max_primitive_numbers> narrow_numbers{};
+    std::array<float, max_primitive_number_count> narrow_numbers{};
 
     ShapeSet(const scene::rays::RayGroup& group, std::optional<Transform<double>> transform)
         : shape(group.primitives.front().shape), primitive(group.primitives.front()) {
@@ -52,8 +52,8 @@ struct ShapeSet {
         }
         for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
             narrow_numbers[k] = static_cast<float>(primitive.numbers[k]);
-        for (std::size_t k = max_shape_numbers; transform && k < max_primitive_numbers; ++k)
-            narrow_numbers[k] = static_cast<float>(transform->matrix[k - max_shape_numbers]);
+        for (std::size_t k = max_number_count; transform && k < max_primitive_number_count; ++k)
+            narrow_numbers[k] = static_cast<float>(transform->matrix[k - max_number_count]);
     }
     template <class S>
     [[nodiscard]] ProblemColumns<S> problems() const {
@@ -66,9 +66,9 @@ struct ShapeSet {
             if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(&narrow_numbers[k], 1);
             else p.primitive[k] = std::span(&primitive.numbers[k], 1);
         }
-        for (std::size_t k = max_shape_numbers; primitive.transform && k < max_primitive_numbers; ++k) {
+        for (std::size_t k = max_number_count; primitive.transform && k < max_primitive_number_count; ++k) {
             if constexpr (sizeof(S) == 4) p.primitive[k] = std::span(&narrow_numbers[k], 1);
-            else p.primitive[k] = std::span(&primitive.transform->matrix[k - max_shape_numbers], 1);
+            else p.primitive[k] = std::span(&primitive.transform->matrix[k - max_number_count], 1);
         }
         if (primitive.transform) p.matrix = {true, false, primitive.transform->orientation};
         return p;

@@ -37,7 +37,7 @@ void require_arrays(const lostbits_rays& rays) {
     for (const auto* const array : {&rays.tmin, &rays.tmax, &rays.t, &rays.hit, &rays.by})
         require_addressable(*array, rays.count, 1, rays_name);
     require_addressable(rays.matrix, rays.count, scene::ray_file::matrix_columns.size(), rays_name);
-    require_addressable(rays.primitives, rays.primitive_count, max_shape_numbers, "primitives");
+    require_addressable(rays.primitives, rays.primitive_count, max_number_count, "primitives");
 }
 
 /// The columns of the rays, without those of their primitives.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/quartic_chain.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 
 namespace lostbits {
 
@@ -17,10 +17,10 @@ struct FirstRoot {
     E low, high, root;
 };
 template <class W>
-FirstRoot<number::wide::Running<W>> first_root(const Polynomial<number::wide::Running<W>>& f,
-                                               const number::wide::Running<W>& begin,
-                                               const number::wide::Running<W>& bound) {
-    using E = number::wide::Running<W>;
+FirstRoot<number::wide::RunningError<W>> first_root(const Polynomial<number::wide::RunningError<W>>& f,
+                                               const number::wide::RunningError<W>& begin,
+                                               const number::wide::RunningError<W>& bound) {
+    using E = number::wide::RunningError<W>;
     using P = typename E::P;
     using lostbits::abs;
     using lostbits::max;

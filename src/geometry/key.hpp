@@ -34,6 +34,14 @@ struct Key {
     [[nodiscard]] constexpr bool is_length() const { return kind == Kind::length || kind == Kind::lengths; }
 };
 
+/// How many numbers a primitive of type S has.
+template <class S>
+inline constexpr std::size_t number_count = [] {
+    std::size_t count = 0;
+    for (const Key& key : S::keys) count += key.count();
+    return count;
+}();
+
 /// Phrases about a shape and its special cases, for messages and texts.
 struct ShapeTexts {
     std::string_view simplest;      ///< the simplest primitive, all of which lies within 2 of the origin

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "geometry/first_root.hpp"
-#include "number/wide/recorded_running.hpp"
+#include "number/wide/recorded_running_error.hpp"
 
 namespace lostbits {
 

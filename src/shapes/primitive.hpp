@@ -16,14 +16,14 @@
 namespace lostbits {
 
 /// Largest number of stored numbers of a primitive: those of its shape, then those of its matrix.
-inline constexpr std::size_t max_primitive_numbers = max_shape_numbers + Affine<double>::numbers;
+inline constexpr std::size_t max_primitive_number_count = max_number_count + Affine<double>::numbers;
 
 /// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A transform takes the
 /// primitive to the world. Without a transform, its numbers are in world coordinates.
 template <class S>
 struct Primitive {
     Shape shape = shape_rows.front().shape;
-    std::array<S, max_shape_numbers> numbers = zeros();
+    std::array<S, max_number_count> numbers = zeros();
     std::optional<Transform<S>> transform = {};
 
     Primitive() = default;
@@ -35,8 +35,8 @@ struct Primitive {
     }
 
     /// Returns the numbers of the shape, without those of its matrix.
-    [[nodiscard]] std::span<const S> shape_numbers() const { return std::span(numbers).first(row_of(shape).numbers); }
-    [[nodiscard]] std::span<S> shape_numbers() { return std::span(numbers).first(row_of(shape).numbers); }
+    [[nodiscard]] std::span<const S> shape_numbers() const { return std::span(numbers).first(row_of(shape).number_count); }
+    [[nodiscard]] std::span<S> shape_numbers() { return std::span(numbers).first(row_of(shape).number_count); }
 
     template <template <class> class Of>
     [[nodiscard]] bool is() const {
@@ -60,11 +60,11 @@ struct Primitive {
 #undef LOSTBITS_LINE
 
 private:
-    static std::array<S, max_shape_numbers> zeros() {
+    static std::array<S, max_number_count> zeros() {
         return []<std::size_t... k>(std::index_sequence<k...>) {
-            return std::array<S, max_shape_numbers>{(static_cast<void>(k), S(0))...};
+            return std::array<S, max_number_count>{(static_cast<void>(k), S(0))...};
         }
-        (std::make_index_sequence<max_shape_numbers>());
+        (std::make_index_sequence<max_number_count>());
     }
 };
 

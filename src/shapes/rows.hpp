@@ -74,7 +74,7 @@ struct ShapeRow {
     Shape shape;
     std::string_view name, plural;
     std::span<const Key> keys;
-    std::size_t numbers = 0;
+    std::size_t number_count = 0;
     bool takes_tmax = false;                    ///< its forms take tmax, where a ray ends
     bool inside_returns_zero = false;           ///< from inside, t is 0 and not the exit, unless a form says otherwise
     bool usually_takes_unit_direction = false;  ///< most code for this shape takes directions of length one
@@ -103,6 +103,7 @@ inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
                      .name = FloatShape::name,
                      .plural = FloatShape::plural,
                      .keys = FloatShape::keys,
+                     .number_count = number_count<FloatShape>,
                      .takes_tmax = FloatShape::takes_tmax,
                      .inside_returns_zero = FloatShape::inside_returns_zero,
                      .usually_takes_unit_direction = FloatShape::usually_takes_unit_direction,
@@ -112,7 +113,6 @@ inline constexpr std::array<ShapeRow, Primitives::size> shape_rows = [] {
                      .has_edges = FloatShape::has_edges,
                      .has_shading_normal = Shaded<FloatShape>,
                      .texts = FloatShape::texts};
-        for (const Key& key : shape_row.keys) shape_row.numbers += key.count();
     });
     return rows;
 }();
@@ -192,6 +192,6 @@ private:
     unsigned bits_ = 0;
 };
 
-inline constexpr std::size_t max_shape_numbers = std::ranges::max(shape_rows, {}, &ShapeRow::numbers).numbers;
+inline constexpr std::size_t max_number_count = std::ranges::max(shape_rows, {}, &ShapeRow::number_count).number_count;
 
 }  // namespace lostbits

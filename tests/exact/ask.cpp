@@ -55,7 +55,7 @@ Answer answer_of(const truth::Truth& found, const Given& given,
 template <class S>
 struct Columns {
     std::array<std::vector<S>, 6> ray;
-    std::array<std::vector<S>, max_primitive_numbers> primitive;
+    std::array<std::vector<S>, max_primitive_number_count> primitive;
     std::vector<S> tmin, tmax;
     truth::ProblemColumns<S> columns;
 
@@ -69,7 +69,7 @@ struct Columns {
             return std::span<const S>(to);
         };
         for (std::size_t k = 0; k < 6; ++k) columns.ray[k] = put(ray[k], [k](const Problem& p) { return p.ray[k]; });
-        for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
+        for (std::size_t k = 0; k < row_of(shape).number_count; ++k)
             columns.primitive[k] = put(primitive[k], [k](const Problem& p) { return p.primitive[k]; });
         columns.tmin = put(tmin, [](const Problem& p) { return p.tmin; });
         columns.tmax = put(tmax, [](const Problem& p) { return p.tmax; });
@@ -77,8 +77,8 @@ struct Columns {
         if (!first.has_transform) return;
         columns.matrix = {true, first.is_inverse, transform_of(first.matrix).orientation};
         for (std::size_t k = 0; k < first.matrix.size(); ++k)
-            columns.primitive[max_shape_numbers + k] =
-                put(primitive[max_shape_numbers + k], [k](const Problem& p) { return p.matrix[k]; });
+            columns.primitive[max_number_count + k] =
+                put(primitive[max_number_count + k], [k](const Problem& p) { return p.matrix[k]; });
     }
 };
 
@@ -189,7 +189,7 @@ void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<c
 
 std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are() {
     std::vector<std::pair<std::string_view, std::size_t>> all;
-    for (const ShapeRow& row : shape_rows) all.emplace_back(row.name, row.numbers);
+    for (const ShapeRow& row : shape_rows) all.emplace_back(row.name, row.number_count);
     return all;
 }
 

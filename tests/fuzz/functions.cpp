@@ -21,9 +21,9 @@ void follow(const std::string& ir, const std::string& name) {
     guess_signature(signature, {}, "own.ll");
     Module module(ir_wrapper_of(signature, probe, "own.ll"));
     Nodes nodes(signature.bits);
-    const std::size_t numbers = row_of(signature.contract.shape).numbers;
+    const std::size_t number_count = row_of(signature.contract.shape).number_count;
     Walk walk(module, nodes, "/x", "own.ll");
-    const auto answer = walk.run("lostbits_entry", static_cast<int>(6 + numbers + 1));
+    const auto answer = walk.run("lostbits_entry", static_cast<int>(6 + number_count + 1));
     if (answer.t != no_node) static_cast<void>(nodes.to_formula(answer.hit, answer.t, answer.t, answer.t));
 }
 

@@ -43,21 +43,21 @@ TEST_CASE("a shape is written to its keys and read back with the same numbers in
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         const Primitive<double> primitive = counted_up(row);
-        REQUIRE(primitive.shape_numbers().size() == row.numbers);
+        REQUIRE(primitive.shape_numbers().size() == row.number_count);
         CHECK(&row == &row_of(row.shape));
         CHECK(shape_named(row.name) == row.shape);
         const Primitive<double> back = visit(primitive, [](const auto& shape) { return Primitive<double>(shape); });
         CHECK(back.shape == primitive.shape);
         CHECK(back.numbers == primitive.numbers);
-        CHECK(number_names(row.shape).size() == row.numbers);
-        CHECK(column_names(row.shape).size() == row.numbers);
-        CHECK(number_paths(row.shape).size() == row.numbers);
+        CHECK(number_names(row.shape).size() == row.number_count);
+        CHECK(column_names(row.shape).size() == row.number_count);
+        CHECK(number_paths(row.shape).size() == row.number_count);
         std::size_t numbers = 0;
         for_each_key(row.shape, [&](const Key& key, std::size_t k) {
             CHECK(k == numbers);
             numbers += key.count();
         });
-        CHECK(numbers == row.numbers);
+        CHECK(numbers == row.number_count);
     }
     CHECK_FALSE(shape_named("spheroid"));
 }
@@ -68,7 +68,7 @@ TEST_CASE("column names are unique in a shape, and columns and keys identify the
     for (const ShapeRow& row : shape_rows) {
         CAPTURE(row.name);
         Names names;
-        for (std::size_t k = 0; k < row.numbers; ++k) {
+        for (std::size_t k = 0; k < row.number_count; ++k) {
             CHECK(names.insert(column_names(row.shape)[k]).second);
             for (const std::string& other : other_column_names(row.shape, k)) CHECK(names.insert(other).second);
         }

@@ -35,7 +35,7 @@ file(WRITE ${WORK}/shapes.cpp [=[
 #include "number/ball.hpp"
 int main() {
     using namespace lostbits;
-    for (const ShapeRow& row : shape_rows) std::printf("%s: %zu\n", row.name.data(), row.numbers);
+    for (const ShapeRow& row : shape_rows) std::printf("%s: %zu\n", row.name.data(), row.number_count);
     const HalfSpace<double> half{{0, 0, 3}, {0, 0, -2}};
     const Primitive<double> primitive(half);
     std::printf("%s of %zu numbers, last %g\n", name_of(primitive.shape).data(), primitive.shape_numbers().size(), primitive.shape_numbers().back());

@@ -203,7 +203,7 @@ ColumnBytes column_bytes(const PipeRequest& request, const Contract& contract) {
     return {6 * n * width,
             (contract.flags & LB_RANGE) != 0 ? request.end_count * width : 0,
             request.end_count * width,
-            request.primitive_count * row_of(contract.shape).numbers * width,
+            request.primitive_count * row_of(contract.shape).number_count * width,
             2 * n * width,
             n};
 }

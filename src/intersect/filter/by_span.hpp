@@ -9,7 +9,7 @@
 #include "intersect/filter/first_span_hit.hpp"
 #include "intersect/filter/first_span_hit_quartic.hpp"
 #include "intersect/filter/last_steps.hpp"
-#include "number/wide/proving.hpp"
+#include "number/wide/proving_number.hpp"
 
 namespace lostbits::intersect::filter {
 
@@ -22,10 +22,10 @@ struct FilterResult {
 
 /// Filters in the arithmetic of T: if the result is proved, the error of t is at most 62u t. `numbers` are those of the
 /// ray, then those of the primitive. The function is not inlined, because rays and many primitives share it. A format
-/// of less than 20 bits proves nothing (`Proving`).
+/// of less than 20 bits proves nothing (`ProvingNumber`).
 template <template <class> class S, class T, class P>
 [[gnu::noinline]] FilterResult<T, P> prove(const T* numbers) {
-    using E = number::wide::Proving<T>;
+    using E = number::wide::ProvingNumber<T>;
     const auto number_at = [numbers](std::size_t i) { return E(numbers[i]); };
     const Ray<E> ray{{number_at(0), number_at(1), number_at(2)}, {number_at(3), number_at(4), number_at(5)}};
 

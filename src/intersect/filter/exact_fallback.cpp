@@ -11,13 +11,13 @@
 #include "intersect/filter/first_span_hit_quartic.hpp"
 #include "number/ball.hpp"
 #include "number/interval.hpp"
-#include "number/wide/proving.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/proving_number.hpp"
+#include "number/wide/running_error.hpp"
 
 namespace lostbits::intersect::filter {
 namespace {
 
-using number::wide::Proving, number::wide::Running, number::wide::TwoWords;
+using number::wide::ProvingNumber, number::wide::RunningError, number::wide::TwoWords;
 
 /// The answer that one arithmetic proves for a ray; empty if it proves none.
 using ProvedAnswer = std::optional<FallbackAnswer>;
@@ -27,7 +27,7 @@ constexpr FallbackAnswer miss_by(DecidingArithmetic arithmetic) { return {false,
 constexpr FallbackAnswer hit_by(double t, DecidingArithmetic arithmetic) { return {true, t + 0.0, arithmetic}; }
 
 /// The decision and t, if the decision is proved and the error of t is at most 8 unit_roundoff·t.
-ProvedAnswer answer_if_proved(const FirstSpanHit<Proving<double>>& first_hit, double unit_roundoff) {
+ProvedAnswer answer_if_proved(const FirstSpanHit<ProvingNumber<double>>& first_hit, double unit_roundoff) {
     if (first_hit.hit.is_no()) return miss_by(DecidingArithmetic::wider);
     const double t = first_hit.t.word();
     if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * unit_roundoff * t)
@@ -41,7 +41,7 @@ ProvedAnswer answer_if_proved(const FirstSpanHit<Ball>& first_hit, double unit_r
         return hit_by(t, DecidingArithmetic::two_words);
     return std::nullopt;
 }
-ProvedAnswer answer_if_proved(const FirstSpanHit<Running<TwoWords<double>>>& first_hit, double unit_roundoff) {
+ProvedAnswer answer_if_proved(const FirstSpanHit<RunningError<TwoWords<double>>>& first_hit, double unit_roundoff) {
     if (first_hit.hit.is_no()) return miss_by(DecidingArithmetic::two_words);
     const double t = first_hit.t.first();
     if (first_hit.hit.is_yes() && first_hit.t.radius() <= 8 * unit_roundoff * t)
@@ -75,12 +75,12 @@ using SpanOf = decltype(std::declval<const S<E>&>().span(std::declval<const Ray<
 template <template <class> class S>
 FallbackAnswer decide_by_escalation(const double* numbers, double unit_roundoff) {
     if (unit_roundoff > 0x1p-53)
-        if (const ProvedAnswer proved_in_double = try_arithmetic<S, Proving<double>>(numbers, unit_roundoff))
+        if (const ProvedAnswer proved_in_double = try_arithmetic<S, ProvingNumber<double>>(numbers, unit_roundoff))
             return *proved_in_double;
     using Limits = FallbackLimits<SpanOf<S, Ball>>;
     if constexpr (Limits::tries_running_words)
         if (const ProvedAnswer proved_in_two_words =
-                try_arithmetic<S, Running<TwoWords<double>>>(numbers, unit_roundoff))
+                try_arithmetic<S, RunningError<TwoWords<double>>>(numbers, unit_roundoff))
             return *proved_in_two_words;
     if (const ProvedAnswer proved_in_two_words = try_arithmetic<S, Ball>(numbers, unit_roundoff))
         return *proved_in_two_words;
@@ -94,7 +94,7 @@ FallbackAnswer decide_by_escalation(const double* numbers, double unit_roundoff)
 
 template <template <class> class S>
 bool is_valid_input(const double* numbers) {
-    for (std::size_t i = 0; i < 6 + row_of(shape_as<S>).numbers; ++i)
+    for (std::size_t i = 0; i < 6 + row_of(shape_as<S>).number_count; ++i)
         if (!std::isfinite(numbers[i])) return false;
     return numbers[3] != 0 || numbers[4] != 0 || numbers[5] != 0;
 }

@@ -5,7 +5,7 @@
 #include "geometry/first_root.hpp"
 #include "geometry/quartic_span.hpp"
 #include "intersect/filter/first_span_hit.hpp"
-#include "number/wide/proving.hpp"
+#include "number/wide/proving_number.hpp"
 
 namespace lostbits::intersect::filter {
 
@@ -62,10 +62,10 @@ mask_t<typename U::P> is_above(const QuarticChain<U>& f) {
 /// away the root can be. At that distance and one sixteenth more, on either side, f has different signs. For a miss
 /// this search is skipped, except while a tape is written, which has the same operations for every ray.
 template <class T>
-FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::wide::Proving<T>>& s) {
-    using E = number::wide::Proving<T>;
+FirstSpanHit<number::wide::ProvingNumber<T>> first_span_hit(const QuarticSpan<number::wide::ProvingNumber<T>>& s) {
+    using E = number::wide::ProvingNumber<T>;
     using P = typename E::P;
-    using U = number::wide::Proving<P>;
+    using U = number::wide::ProvingNumber<P>;
     using lostbits::abs;
     const auto value_of = [](const E& x) { return U(number::wide::plain_value(x.word()), x.radius()); };
     const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
@@ -96,7 +96,7 @@ FirstSpanHit<number::wide::Proving<T>> first_span_hit(const QuarticSpan<number::
 
 /// Computes in two words, as the packs of the truth do.
 template <class W>
-FirstSpanHit<number::wide::Running<W>> first_span_hit(const QuarticSpan<number::wide::Running<W>>& s) {
+FirstSpanHit<number::wide::RunningError<W>> first_span_hit(const QuarticSpan<number::wide::RunningError<W>>& s) {
     const auto root = first_root(s.f, s.b, s.bound);
     return {{root.is_found, root.is_absent}, s.t_at(root.root)};
 }

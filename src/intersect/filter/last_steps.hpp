@@ -37,14 +37,6 @@ struct Decision {
     }
 };
 
-/// How many numbers a primitive of type S has.
-template <class S>
-inline constexpr std::size_t number_count = [] {
-    std::size_t count = 0;
-    for (const Key& key : S::keys) count += key.count();
-    return count;
-}();
-
 /// Returns the numbers of a ray, then those of a primitive.
 template <template <class> class S, class T>
 auto inputs_of(const Ray<T>& ray, const S<T>& primitive) {

@@ -343,7 +343,7 @@ external::ForeignForm compiled_form(const external::Library& library, const User
     const char* const name = external::never_freed_copy(external::name_in_messages(form));
     const auto entry = external::find_symbol<void (*)(const S*, S*, int*)>(library, "lostbits_entry");
     if (entry == nullptr) throw InputError(subject + ": the compiled function has no entry");
-    form.answer = [entry, name, number_count = row_of(signature.contract.shape).numbers,
+    form.answer = [entry, name, number_count = row_of(signature.contract.shape).number_count,
                    miss_value = signature.miss_value, fp_state = library.fp_state](const lb_batch& batch) {
         external::call_foreign(name, [&] {
             const external::ForeignCodeScope foreign_code(name, fp_state);
@@ -387,7 +387,7 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     Nodes nodes(signature.bits);
     Walk walk(module, nodes, signature.folder.empty() ? compiler.file().parent_path().string() : signature.folder,
               is_ir ? compiler.file().string() : "");
-    const std::size_t number_count = row_of(signature.contract.shape).numbers;
+    const std::size_t number_count = row_of(signature.contract.shape).number_count;
     const Walk::Answer answer = walk.run("lostbits_entry", static_cast<int>(6 + number_count + 1));
     if (signature.t && answer.t == no_node)
         throw InputError(subject + ": t is never written, or is undefined (as 3 / 0 is)");

@@ -382,7 +382,7 @@ void add_inputs(UserSignature& signature, const Part& p, Shape shape) {
     std::size_t input_index = p.role == "o" ? 0 : p.role == "d" || p.role == "1/d" ? first_direction : first_key;
     if (p.role[0] == 'k')
         for (std::size_t k = 0; k < key_index(p.role); ++k) input_index += keys[k].count();
-    if (p.role == "tmax") input_index = first_key + row_of(shape).numbers;
+    if (p.role == "tmax") input_index = first_key + row_of(shape).number_count;
 
     for (std::size_t k = 0; k < (p.is_vector ? 3U : 1U); ++k) {
         const std::string input = "in[" + std::to_string(input_index + k) + "]";

@@ -49,7 +49,7 @@ private:
 
     template <class S>
     void answer_part(const lb_batch& batch, std::size_t begin, std::size_t n) {
-        const std::size_t numbers = row_of(shape_).numbers;
+        const std::size_t number_count = row_of(shape_).number_count;
         KernelHead kernel_head{static_cast<std::uint32_t>(n), static_cast<std::uint32_t>(batch.primitive_stride),
                                batch.ends != nullptr ? 1U : 0U, batch.starts != nullptr ? 1U : 0U};
         hits_.assign(n, unwritten);
@@ -63,7 +63,7 @@ private:
             {bytes_at<S>(batch.rays, 6 * begin, 6 * n)},
             {batch.ends != nullptr ? bytes_at<S>(batch.ends, begin, n) : bytes_at<S>(&no_number, 0, 1)},
             {bytes_at<S>(batch.primitives, has_own_primitives ? begin * batch.primitive_stride : 0,
-                         has_own_primitives ? n * batch.primitive_stride : numbers)},
+                         has_own_primitives ? n * batch.primitive_stride : number_count)},
             {std::as_writable_bytes(std::span(near_far, 2 * n)), true},
             {std::as_writable_bytes(std::span(hits_)), true},
             {batch.starts != nullptr ? bytes_at<S>(batch.starts, begin, n) : bytes_at<S>(&no_number, 0, 1)},

@@ -229,7 +229,7 @@ std::string hlsl_prologue() {
 
 std::string main_code(const Signature& s, const ShaderMarch& march, bool is_hlsl) {
     const std::string real = s.is_double ? "double" : "float", v = s.is_double ? "dvec" : "vec";
-    const std::string count = std::to_string(row_of(s.shape).numbers);
+    const std::string count = std::to_string(row_of(s.shape).number_count);
     std::string code = is_hlsl ? hlsl_prologue() : glsl_prologue(real);
     const auto declare_vector = [&](const std::string& name, const char* array, std::size_t first) {
         code += "    " + v + "3 " + name + " = " + v + "3(";

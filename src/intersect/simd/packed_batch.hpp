@@ -21,7 +21,7 @@ template <class P, class F>
 [[gnu::noinline, gnu::flatten]] P min_distance(const RawTarget<F>& target, const Vec<P>& p) {
     P least(0);
     for (std::size_t k = 0; k < target.primitive_count; ++k) {
-        const F* const n = target.numbers + max_shape_numbers * k;
+        const F* const n = target.numbers + max_number_count * k;
         P distance(0);
         Primitives::each([&]<template <class> class S>() {
             if (target.shapes[k] == static_cast<std::uint8_t>(shape_as<S>))
@@ -54,8 +54,8 @@ template <class Form, class F, class Width>
     const std::size_t size = batch.size;
     const RawTarget<F> target = *batch.target;
 
-    P numbers[max_shape_numbers];
-    for (std::size_t k = 0; k < max_shape_numbers; ++k) numbers[k] = P(target.numbers[k]);
+    P numbers[max_number_count];
+    for (std::size_t k = 0; k < max_number_count; ++k) numbers[k] = P(target.numbers[k]);
     F no_end[P::lanes];
     P(std::numeric_limits<F>::infinity()).store(no_end);
 

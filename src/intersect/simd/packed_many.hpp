@@ -10,7 +10,7 @@ namespace lostbits::intersect::simd {
 /// double.
 template <class S>
 struct PrimitiveArrays {
-    std::array<std::span<const S>, max_shape_numbers> numbers;
+    std::array<std::span<const S>, max_number_count> numbers;
     [[nodiscard]] std::size_t size() const { return numbers[0].size(); }
 };
 

@@ -12,7 +12,7 @@ namespace lostbits::intersect::simd {
 /// The target of a form as plain pointers.
 template <class F>
 struct RawTarget {
-    const F* numbers;             ///< `max_shape_numbers` numbers for each primitive, in the order of `Primitive`
+    const F* numbers;             ///< `max_number_count` numbers for each primitive, in the order of `Primitive`
     const std::uint8_t* shapes;   ///< the shape of each primitive, as the integer value of `Shape`
     std::size_t primitive_count;  ///< number of primitives; 1 for a form that does not march
     MarchConstants<F> march;      ///< only for forms that march
@@ -33,7 +33,7 @@ struct RawBatch {
 template <class F>
 struct RawPrimitives {
     const F* ray;                         ///< ox, oy, oz, dx, dy, dz
-    const F* numbers[max_shape_numbers];  ///< a column for each number of the form's shape, in the order of `Primitive`
+    const F* numbers[max_number_count];  ///< a column for each number of the form's shape, in the order of `Primitive`
     F* t;                                 ///< for spheres written; for boxes, tmax at the call, and tmin after a hit
     std::uint8_t* hit;                    ///< only for spheres
     std::size_t size;

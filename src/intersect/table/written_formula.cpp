@@ -198,7 +198,7 @@ private:
 /// Returns a function that reads inputs by their index in `WrittenOperation::operands`.
 template <class T>
 auto input_reader(const WrittenFormula& formula, const Ray<T>& ray, const Primitive<T>& primitive, const T& end) {
-    return [&ray, &primitive, &end, number_count = row_of(formula.shape).numbers](std::size_t k) -> T {
+    return [&ray, &primitive, &end, number_count = row_of(formula.shape).number_count](std::size_t k) -> T {
         if (k < 3) return ray.origin[static_cast<int>(k)];
         if (k < 6) return ray.direction[static_cast<int>(k - 3)];
         return k - 6 < number_count ? primitive.numbers[k - 6] : end;
@@ -217,7 +217,7 @@ template <class T, class S>
 void answer_rays(const WrittenFormula& formula, const RayBatch<S>& rays, const Target<S>& target,
                  const HitBatch<S>& hits) {
     const std::size_t stride = target.primitives.size() == 1 ? 0 : 1;
-    const std::size_t number_count = row_of(formula.shape).numbers;
+    const std::size_t number_count = row_of(formula.shape).number_count;
     Evaluation<T> evaluation(formula);
     evaluation.make_constants();
 
@@ -342,16 +342,16 @@ void require_valid_answers(const WrittenFormula& f) {
 }  // namespace
 
 void require_valid(const WrittenFormula& f) {
-    const std::size_t inputs = 6 + row_of(f.shape).numbers + 1;
+    const std::size_t input_count = 6 + row_of(f.shape).number_count + 1;
     const bool has_wide = std::ranges::any_of(f.operations, &WrittenOperation::wide);
     for (std::size_t i = 0; i < f.operations.size(); ++i) {
         const WrittenOperation& w = f.operations[i];
         if ((w.op == TapeOp::convert && !has_wide) || w.op == TapeOp::any || w.op == TapeOp::call)
             fail_operation(f, i, "is not allowed: all numbers of a list are of one format, and a list has no loops");
-        if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < inputs))
+        if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < input_count))
             fail_operation(f, i,
                            "has number " + std::to_string(w.operands[0]) + "; inputs are numbered from 0 to " +
-                               std::to_string(inputs - 1));
+                               std::to_string(input_count - 1));
         if (w.op == TapeOp::constant && std::isnan(w.value)) fail_operation(f, i, "is not a number");
         require_valid_operands(f, i);
     }

@@ -175,7 +175,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
 
     // The numbers of the primitives, one column each. A single primitive is loaded once.
     const std::size_t number_count = first.shape_numbers().size();
-    std::array<std::array<double, rays_per_block>, max_shape_numbers> numbers;
+    std::array<std::array<double, rays_per_block>, max_number_count> numbers;
     const auto load_primitive = [&](std::size_t i, std::size_t primitive) {
         const Primitive<double> current = points.primitives[primitive];
         for (std::size_t k = 0; k < number_count; ++k) numbers[k][i] = current.numbers[k];
@@ -193,7 +193,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
         for (std::size_t i = 0; points.primitives.size() > 1 && i < size; ++i) {
             const auto primitive = static_cast<std::size_t>(std::max(0, points.primitive_indices[begin + i]));
             if (primitive < listed.size()) {
-                for (std::size_t k = 0; k < max_shape_numbers; ++k) numbers[k][i] = listed[primitive].numbers[k];
+                for (std::size_t k = 0; k < max_number_count; ++k) numbers[k][i] = listed[primitive].numbers[k];
             } else {
                 load_primitive(i, primitive);
             }
@@ -207,7 +207,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
             .out = out + begin,
             .binary32 = points.engine == Format::Engine::native32,
             .unhandled = block_indices.raw()};
-        for (std::size_t k = 0; k < max_shape_numbers; ++k) batch.in[RawResiduals::primitive + k] = numbers[k].data();
+        for (std::size_t k = 0; k < max_number_count; ++k) batch.in[RawResiduals::primitive + k] = numbers[k].data();
 
         residuals(batch);
         block_indices.append(batch.unhandled, begin, unhandled);

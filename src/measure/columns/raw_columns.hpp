@@ -34,7 +34,7 @@ struct RawErrors {
 
 /// Distances of hit points from primitives of one shape.
 struct RawResiduals {
-    enum In { answer, ox, oy, oz, dx, dy, dz, primitive, columns_in = primitive + max_shape_numbers };
+    enum In { answer, ox, oy, oz, dx, dy, dz, primitive, columns_in = primitive + max_number_count };
 
     std::size_t size;
     const double* in[columns_in];  ///< from `primitive` on, in the order of `Primitive::numbers`

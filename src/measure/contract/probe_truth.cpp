@@ -236,7 +236,7 @@ std::string wrong_answer_text(const Trial& trial, const Question& question, cons
         return answer_text(trial, {unscaled.hit, std::ldexp(unscaled.t, power)});
     };
     return "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
-           numbers_text(std::span(q.primitive).first(row_of(trial.shape).numbers)) + ": " + scaled_answer_text(right) +
+           numbers_text(std::span(q.primitive).first(row_of(trial.shape).number_count)) + ": " + scaled_answer_text(right) +
            " is right, it answers " + scaled_answer_text(answer);
 }
 

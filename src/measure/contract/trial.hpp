@@ -26,7 +26,7 @@ namespace lostbits::measure::contract {
 /// One ray and one primitive, in numbers of the format of the form.
 struct Question {
     Ray<double> ray;
-    std::array<double, max_shape_numbers> primitive;  ///< as in `Primitive::numbers`
+    std::array<double, max_number_count> primitive;  ///< as in `Primitive::numbers`
     double end = std::numeric_limits<double>::infinity();
     double start = 0;
 };
@@ -59,7 +59,7 @@ enum class BatchPrimitives : std::uint8_t { one_for_each_ray, first_for_all };
 template <class S>
 std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::span<const Question> questions,
                           BatchPrimitives batch_primitives) {
-    const std::size_t count = questions.size(), numbers = row_of(form.contract.shape).numbers;
+    const std::size_t count = questions.size(), number_count = row_of(form.contract.shape).number_count;
     const bool has_ranges = (form.contract.flags & LB_RANGE) != 0;
 
     // Lays out the inputs as the form reads them.
@@ -70,7 +70,7 @@ std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::spa
             for (int k = 0; k < 3; ++k) rays.push_back(static_cast<S>(v[k]));
         starts.push_back(static_cast<S>(q.start));
         ends.push_back(static_cast<S>(q.end));
-        for (std::size_t k = 0; k < numbers; ++k) primitives.push_back(static_cast<S>(q.primitive[k]));
+        for (std::size_t k = 0; k < number_count; ++k) primitives.push_back(static_cast<S>(q.primitive[k]));
     }
 
     // Marks the outputs, so that a number that the form does not write is noticed.
@@ -81,7 +81,7 @@ std::vector<Reply> ask_in(const intersect::external::ForeignForm& form, std::spa
                  .rays = rays.data(),
                  .ends = ends.data(),
                  .primitives = primitives.data(),
-                 .primitive_stride = batch_primitives == BatchPrimitives::first_for_all ? 0 : numbers,
+                 .primitive_stride = batch_primitives == BatchPrimitives::first_for_all ? 0 : number_count,
                  .near_far = near_far.data(),
                  .hit = hit.data(),
                  .own = nullptr,

@@ -8,7 +8,7 @@
 
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::crossing {
@@ -45,7 +45,7 @@ std::optional<Passage> try_passage(const Ray<double>& ray, const Primitive<doubl
 /// Returns nothing if no precision decides. Single doubles with bounds decide most triangles, in a fifth of the time.
 std::optional<Passage> find_passage(const Ray<double>& ray, const Primitive<double>& triangle) {
     if (!is_valid(triangle)) return Passage{};
-    if (const auto fast_result = try_passage<number::wide::Running<double>>(ray, triangle)) return fast_result;
+    if (const auto fast_result = try_passage<number::wide::RunningError<double>>(ray, triangle)) return fast_result;
     return find_at_rising_precision([&]<class E>() { return try_passage<E>(ray, triangle); });
 }
 

@@ -10,7 +10,7 @@
 #include "geometry/wall_span.hpp"
 #include "intersect/process/parallel.hpp"
 #include "measure/culling/box_tree.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 #include "shapes/lift.hpp"
 
 namespace lostbits::measure::culling {
@@ -321,7 +321,7 @@ void SphereIndex::find_candidates(const Ray<double>& ray, std::vector<std::uint3
 
 namespace {
 
-using Certain = number::wide::Running<double>;
+using Certain = number::wide::RunningError<double>;
 using Decision = mask_t<Certain>;
 
 /// True if a ray begins in the closed primitive; false for shapes without an inside.

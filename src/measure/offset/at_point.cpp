@@ -11,7 +11,7 @@
 #include "measure/offset/half_line.hpp"
 #include "measure/offset/smallest.hpp"
 #include "measure/truth/unit_direction.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 #include "shapes/bounding_box.hpp"
 #include "shapes/lift.hpp"
 
@@ -41,19 +41,19 @@ std::optional<double> find_exit(const Ray<double>& ray, const Primitive<double>&
 /// Returns a lower bound of the distance of a point from the surface of a primitive; 0 if the bounds on all roundings
 /// prove nothing.
 double min_distance(const Vec<double>& p, const Primitive<double>& primitive) {
-    using Running = number::wide::Running<double>;
+    using RunningError = number::wide::RunningError<double>;
     if (primitive.transform && !has_bounding_box(primitive.shape)) return 0;  // the primitive has no bounding ball
     if (primitive.transform && primitive.transform->is_inverse) return 0;     // rounding could put the ball anywhere
-    const Vec<Running> point = lift_vec<Running>(p);
-    const Primitive<Running> running_primitive = lift_primitive<Running>(primitive);
+    const Vec<RunningError> point = lift_vec<RunningError>(p);
+    const Primitive<RunningError> running_primitive = lift_primitive<RunningError>(primitive);
     const auto distance_from_surface = [&point](const auto& shape) {
         return abs(shape.relative_distance(point) * shape.unit());
     };
     const auto distance_from_ball = [&] {
         const auto ball = ball_around(running_primitive);
-        return length(Vec<Running>(point - ball.centre)) - ball.radius;
+        return length(Vec<RunningError>(point - ball.centre)) - ball.radius;
     };
-    const Running separation =
+    const RunningError separation =
         primitive.transform ? distance_from_ball() : visit(running_primitive, distance_from_surface);
     return std::max(0.0, (separation.first() - separation.radius()) * (1 - 0x1p-50));
 }

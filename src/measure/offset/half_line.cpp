@@ -8,7 +8,7 @@
 #include "measure/truth/enclose.hpp"
 #include "measure/truth/side.hpp"
 #include "number/error.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 
 namespace lostbits::measure::offset {
 
@@ -74,7 +74,7 @@ std::optional<Meeting> try_meeting(const S& s) {
 /// find roots, so they decide nothing here.
 template <class E>
 std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
-    if constexpr (std::same_as<E, number::wide::Running<double>>) {
+    if constexpr (std::same_as<E, number::wide::RunningError<double>>) {
         return std::nullopt;
     } else {
         const auto roots = enclosed_roots(s.f, s.bound);
@@ -118,7 +118,7 @@ std::optional<Meeting> try_meeting(const HalfLine& line, const Primitive<double>
 /// signs, and intervals of enough bits decide every sign.
 template <class Find>
 auto escalate(const Find& find) {
-    if (const auto by_running_errors = find.template operator()<number::wide::Running<double>>())
+    if (const auto by_running_errors = find.template operator()<number::wide::RunningError<double>>())
         return *by_running_errors;
     if (const auto by_intervals = truth::find_at_rising_precision(find)) return *by_intervals;
     throw Error(ExitStatus::internal, "no precision was enough to decide how a ray meets a primitive");

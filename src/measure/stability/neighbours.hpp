@@ -15,7 +15,7 @@ namespace lostbits::measure::stability {
 
 using namespace truth;
 
-constexpr std::size_t max_inputs = 6 + max_primitive_numbers;
+constexpr std::size_t max_inputs = 6 + max_primitive_number_count;
 using Near = number::wide::AffineForm<max_inputs>;
 
 /// A change of the inputs: number i changes by `scale` times deviation i times its size (or the size of its vector).

@@ -23,7 +23,7 @@ enum class CountedChange : std::uint8_t { decision, root };
 inline constexpr double most_tight = 0x1p-10;
 
 /// Amounts added to the numbers of origin, direction, primitive and matrix, in this order.
-using Amounts = std::array<double, 6 + max_primitive_numbers>;
+using Amounts = std::array<double, 6 + max_primitive_number_count>;
 
 /// Bounds of the least relative change that changes the answer.
 struct Margin {

@@ -1,7 +1,7 @@
 // Kernels of column programs, for registers of one width. A column program proves the decisions for many rays at once:
 // each column holds one number of every ray, and each instruction computes new columns from others. A kernel runs one
 // instruction over all rays, a pack (one register of rays) at a time, with numbers that carry their error bound
-// (`Running`).
+// (`RunningError`).
 #pragma once
 
 #include <array>
@@ -120,7 +120,7 @@ struct WordStep {
 /// exist.
 template <class W, unsigned exact_mask, std::size_t count>
 struct BoundedOperands {
-    using E = Running<W>;
+    using E = RunningError<W>;
     using P = typename E::P;
     static constexpr bool has_two = !std::is_same_v<W, P>;
 
@@ -193,7 +193,7 @@ private:
 
 template <class W, ColumnOperation operation>
 void fill_kernels(ColumnKernels::OperationKernels& kernels) {
-    using P = typename Running<W>::P;
+    using P = typename RunningError<W>::P;
     constexpr std::size_t operands = bounded_operand_count(operation);
     if constexpr (operands == 0) {
         kernels.fill(run<P, WordStep<operation, P>>);

@@ -43,8 +43,8 @@ struct MatrixKind {
 /// Whole packs of problems, and buffers for the findings. `size` is a multiple of the number of doubles in a register.
 template <class S>
 struct RawProblems {
-    RawColumn<S> ray[6], primitive[max_primitive_numbers];
-    RawColumn<S> ray_low[6], primitive_low[max_primitive_numbers];  ///< second words
+    RawColumn<S> ray[6], primitive[max_primitive_number_count];
+    RawColumn<S> ray_low[6], primitive_low[max_primitive_number_count];  ///< second words
     bool two_words;  ///< true if there are second words; always false for floats
     RawColumn<S> tmin, tmax;
     bool has_ranges;  ///< if false, tmin is 0 and tmax infinite for every ray

@@ -12,14 +12,14 @@
 #include "geometry/recorded_root.hpp"
 #include "geometry/span.hpp"
 #include "geometry/wall_span.hpp"
-#include "number/wide/recorded_running.hpp"
+#include "number/wide/recorded_running_error.hpp"
 
 namespace lostbits::measure::stages {
 
 using number::wide::ColumnMask;
 using number::wide::ColumnWord;
 using number::wide::is_unset;
-using number::wide::Running;
+using number::wide::RunningError;
 
 /// First t at which a ray meets a closed primitive. `hit` or `missed` is set if it is proved that the closed and the
 /// open primitive both have this answer. If `at_origin` is set too, t* is 0 and `t` is not used.
@@ -53,8 +53,8 @@ Mask entry_in_time(const Order<Mask>& to_end, const SpanRange<T>& range) {
 
 /// Answer of `truth::enclose` for the usual convention.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
-    using E = Running<W>;
+SpanHit<RunningError<W>> first_span_hit(const QuadraticSpan<RunningError<W>>& s) {
+    using E = RunningError<W>;
     using P = typename E::P;
     const E zero(0);
     const auto outside = s.c > zero;
@@ -68,8 +68,8 @@ SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const QuadraticSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
-    using E = Running<W>;
+SpanHit<RunningError<W>> first_span_hit(const QuadraticSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+    using E = RunningError<W>;
     using P = typename E::P;
     const E zero(0);
     const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
@@ -108,14 +108,14 @@ inline Order<TriMask<ColumnMask>> certain_order(const ColumnWord& x, const Colum
 /// entries are both below 2^-1000, the larger entry is unknown, and each of the two may be far from it.
 template <class W>
 struct ByFirstWord {
-    using P = typename Running<W>::P;
+    using P = typename RunningError<W>::P;
     using Mask = TriMask<mask_t<P>>;
 
-    Running<W> whole;
+    RunningError<W> whole;
 
     ByFirstWord() = default;
     explicit ByFirstWord(int x) : whole(x) {}
-    explicit ByFirstWord(const Running<W>& x) : whole(x) {}
+    explicit ByFirstWord(const RunningError<W>& x) : whole(x) {}
 
     friend Order<Mask> order_of_products(const ByFirstWord& a, const ByFirstWord& b, const ByFirstWord& c,
                                          const ByFirstWord& d) {
@@ -126,7 +126,7 @@ struct ByFirstWord {
     friend Mask operator>(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).less; }
     friend Mask operator>=(const ByFirstWord& a, const ByFirstWord& b) { return order_of(b, a).at_most; }
     friend ByFirstWord select(const Mask& mask, const ByFirstWord& a, const ByFirstWord& b) {
-        const Running<W> undecided(W(P(std::numeric_limits<double>::quiet_NaN())));
+        const RunningError<W> undecided(W(P(std::numeric_limits<double>::quiet_NaN())));
         return ByFirstWord(select(mask.yes() || mask.no(), select(mask.yes(), a.whole, b.whole), undecided));
     }
 
@@ -141,11 +141,11 @@ private:
 template <class W>
 struct QuickSlabs {
     SlabSpan<ByFirstWord<W>> span;
-    mask_t<typename Running<W>::P> is_precise;
+    mask_t<typename RunningError<W>::P> is_precise;
 };
 template <class W>
-QuickSlabs<W> quick_slabs(const SlabSpan<Running<W>>& s) {
-    using E = Running<W>;
+QuickSlabs<W> quick_slabs(const SlabSpan<RunningError<W>>& s) {
+    using E = RunningError<W>;
     using P = typename E::P;
     using lostbits::abs;
     using Quick = ByFirstWord<W>;
@@ -167,8 +167,8 @@ QuickSlabs<W> quick_slabs(const SlabSpan<Running<W>>& s) {
 /// Answer of `truth::enclose` for the usual convention. If a first word is not good to 2^-45 of itself, no decision
 /// is proved.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
-    using E = Running<W>;
+SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& s) {
+    using E = RunningError<W>;
     using Quick = ByFirstWord<W>;
     const auto [slabs, is_precise] = quick_slabs(s);
     const SlabHit<Quick> in = slab_hit(slabs);
@@ -182,8 +182,8 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
-    using E = Running<W>;
+SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+    using E = RunningError<W>;
     using Quick = ByFirstWord<W>;
     const auto [slabs, is_precise] = quick_slabs(s);
     const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open_ends};
@@ -201,9 +201,9 @@ SpanHit<Running<W>> first_span_hit(const SlabSpan<Running<W>>& s, const SpanRang
 /// Answer of `truth::enclose` for the usual convention, if the ray meets neither the rim nor the surface at its
 /// origin.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
-    using P = typename Running<W>::P;
-    const Running<W> zero(0), one(1);
+SpanHit<RunningError<W>> first_span_hit(const FlatSpan<RunningError<W>>& s) {
+    using P = typename RunningError<W>::P;
+    const RunningError<W> zero(0), one(1);
     const auto hit = s.open.yes() && (s.at.n > zero).yes(), no_lane = P(0) < P(0);
     const auto missed = s.closed.no() || (s.at.n < zero).yes();
     if (is_unset(hit)) return {hit, missed, no_lane, zero};
@@ -212,10 +212,10 @@ SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range that does not begin on the surface.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const FlatSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
-    using P = typename Running<W>::P;
-    const Running<W> zero(0), one(1);
-    const auto to_begin = order_of(s.at, Fraction<Running<W>>{range.begin, one});
+SpanHit<RunningError<W>> first_span_hit(const FlatSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+    using P = typename RunningError<W>::P;
+    const RunningError<W> zero(0), one(1);
+    const auto to_begin = order_of(s.at, Fraction<RunningError<W>>{range.begin, one});
     const auto before_end = is_before_range_end(order_of(s.at, range.end), range);
     const auto hit = s.open.yes() && to_begin.at_most.no() && before_end.yes(), no_lane = P(0) < P(0);
     const auto missed = s.closed.no() || to_begin.less.yes() || before_end.no();
@@ -241,16 +241,16 @@ SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, cons
     return {hit, missed, no_lane, root_of(s.primitive.side, hits_far, (s.primitive.side.h > E(0)).yes())};
 }
 template <class W>
-SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s) {
-    using E = Running<W>;
+SpanHit<RunningError<W>> first_span_hit(const WallSpan<RunningError<W>>& s) {
+    using E = RunningError<W>;
     const auto always = E(0) <= E(0);
     return first_span_hit_of_wall<E>(s, ZeroParameter(), {always, always});
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const WallSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
-    return first_span_hit_of_wall<Running<W>>(s, Fraction<Running<W>>{range.begin, Running<W>(1)},
+SpanHit<RunningError<W>> first_span_hit(const WallSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+    return first_span_hit_of_wall<RunningError<W>>(s, Fraction<RunningError<W>>{range.begin, RunningError<W>(1)},
                                               {is_before_range_end(s.compare_crossing(0, range.end), range),
                                                is_before_range_end(s.compare_crossing(1, range.end), range)});
 }
@@ -263,8 +263,8 @@ struct BoundaryHit {
     E t;
 };
 template <class W>
-BoundaryHit<Running<W>> boundary_hit(const CappedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
-    using E = Running<W>;
+BoundaryHit<RunningError<W>> boundary_hit(const CappedSpan<RunningError<W>>& s, const mask_t<typename RunningError<W>::P>& far) {
+    using E = RunningError<W>;
     const auto near_cap = s.enters_by_cap(), far_cap = s.leaves_by_cap();
     const auto by_cap = (!far && near_cap.yes()) || (far && far_cap.yes());
     const auto by_side = (!far && near_cap.no()) || (far && far_cap.no());
@@ -273,12 +273,12 @@ BoundaryHit<Running<W>> boundary_hit(const CappedSpan<Running<W>>& s, const mask
                                    select(by_cap, s.planes_entry.m, root.m)};
 }
 template <class W>
-BoundaryHit<Running<W>> boundary_hit(const JoinedSpan<Running<W>>& s, const mask_t<typename Running<W>::P>& far) {
-    using P = typename Running<W>::P;
-    const QuadraticSpan<Running<W>> quadratic{select(far, s.leave.h, s.enter.h), select(far, s.leave.c, s.enter.c),
+BoundaryHit<RunningError<W>> boundary_hit(const JoinedSpan<RunningError<W>>& s, const mask_t<typename RunningError<W>::P>& far) {
+    using P = typename RunningError<W>::P;
+    const QuadraticSpan<RunningError<W>> quadratic{select(far, s.leave.h, s.enter.h), select(far, s.leave.c, s.enter.c),
                                               select(far, s.leave.a, s.enter.a), select(far, s.leave.q, s.enter.q),
                                               s.d2};
-    return {P(0) <= P(0), root_of(quadratic, far, (quadratic.h > Running<W>(0)).yes())};
+    return {P(0) <= P(0), root_of(quadratic, far, (quadratic.h > RunningError<W>(0)).yes())};
 }
 
 /// Answer of `truth::enclose` for the usual convention, for a ray that begins at `begin` and not on the surface. A
@@ -298,17 +298,17 @@ SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& 
     return {(hits_near || hits_far) && boundary.known, missed, no_lane, boundary.t};
 }
 template <class W, template <class> class Span>
-requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(const Span<Running<W>>& s) {
-    using E = Running<W>;
+requires ComparableSpan<Span<RunningError<W>>, RunningError<W>> SpanHit<RunningError<W>> first_span_hit(const Span<RunningError<W>>& s) {
+    using E = RunningError<W>;
     const auto always = E(0) <= E(0);
     return first_span_hit_from<E>(s, ZeroParameter(), always, always);
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W, template <class> class Span>
-requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_span_hit(
-    const Span<Running<W>>& s, const SpanRange<Running<W>>& range) {
-    return first_span_hit_from<Running<W>>(s, Fraction<Running<W>>{range.begin, Running<W>(1)},
+requires ComparableSpan<Span<RunningError<W>>, RunningError<W>> SpanHit<RunningError<W>> first_span_hit(
+    const Span<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+    return first_span_hit_from<RunningError<W>>(s, Fraction<RunningError<W>>{range.begin, RunningError<W>(1)},
                                            entry_in_time(s.compare_entry(range.end), range),
                                            is_before_range_end(s.compare_exit(range.end), range));
 }
@@ -316,18 +316,18 @@ requires ComparableSpan<Span<Running<W>>, Running<W>> SpanHit<Running<W>> first_
 /// First t on a surface of degree four: the answer of `truth::enclose` for the usual convention. If every root is known
 /// to be simple, the first root ahead is an entry or an exit.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s) {
-    using P = typename Running<W>::P;
-    const FirstRoot<Running<W>> root = first_root(s.f, s.b, s.bound);
+SpanHit<RunningError<W>> first_span_hit(const QuarticSpan<RunningError<W>>& s) {
+    using P = typename RunningError<W>::P;
+    const FirstRoot<RunningError<W>> root = first_root(s.f, s.b, s.bound);
     return {root.is_found, root.is_absent, P(0) < P(0), s.t_at(root.root)};
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<Running<W>> first_span_hit(const QuarticSpan<Running<W>>& s, const SpanRange<Running<W>>& range) {
-    using P = typename Running<W>::P;
-    const FirstRoot<Running<W>> root = first_root(s.f, s.x_at(range.begin), s.bound);
-    const Running<W> end = s.a * range.end.n + s.b * range.end.m;
+SpanHit<RunningError<W>> first_span_hit(const QuarticSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+    using P = typename RunningError<W>::P;
+    const FirstRoot<RunningError<W>> root = first_root(s.f, s.x_at(range.begin), s.bound);
+    const RunningError<W> end = s.a * range.end.n + s.b * range.end.m;
     const auto is_in_time = (root.high * range.end.m < end).yes(), is_late = (root.low * range.end.m > end).yes();
     return {root.is_found && is_in_time, root.is_absent || (root.is_found && is_late), P(0) < P(0), s.t_at(root.root)};
 }

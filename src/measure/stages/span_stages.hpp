@@ -8,7 +8,7 @@
 #include "geometry/ray.hpp"
 #include "measure/stages/problem.hpp"
 #include "measure/stages/span_hits.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 #include "shapes/primitive.hpp"
 
 namespace lostbits::measure::stages {
@@ -16,33 +16,27 @@ namespace lostbits::measure::stages {
 /// Tests if a length is known closely enough: to 2^-33 of itself in one word (`narrow_tightness`), to 2^-72 in two
 /// (`wide_tightness`). The length must also lie in one binade and, in two words, satisfy `in_range`.
 template <class P>
-mask_t<P> is_close(const Running<P>& x) {
+mask_t<P> is_close(const RunningError<P>& x) {
     return x.radius() <= P(narrow_tightness) * x.words() && in_one_binade(x.words(), x.radius());
 }
 template <class P>
-mask_t<P> is_close(const Running<TwoWords<P>>& x) {
+mask_t<P> is_close(const RunningError<TwoWords<P>>& x) {
     return x.radius() <= P(wide_tightness) * x.first() && in_range(x.first()) && in_one_binade(x.words(), x.radius());
 }
 template <class P>
-Enclosure<P> enclosure_of(const Running<P>& x) {
+Enclosure<P> enclosure_of(const RunningError<P>& x) {
     return {{x.words(), P(0)}, x.radius()};
 }
 template <class P>
-Enclosure<P> enclosure_of(const Running<TwoWords<P>>& x) {
+Enclosure<P> enclosure_of(const RunningError<TwoWords<P>>& x) {
     return {x.words(), x.radius()};
 }
 
-/// Count of a shape's numbers. `index_of` returns the index of the key of a number, and the index of the number within
-/// this key.
-template <class S>
-inline constexpr std::size_t numbers_of = [] {
-    std::size_t count = 0;
-    for (const Key& key : S::keys) count += key.count();
-    return count;
-}();
+/// The index of the key that a number belongs to, and the index of the number within this key.
 struct NumberIndex {
     std::size_t key, index_in_key;
 };
+/// Returns the index of a number of a primitive of type S.
 template <class S>
 constexpr NumberIndex index_of(std::size_t number) {
     std::size_t key = 0;
@@ -52,7 +46,7 @@ constexpr NumberIndex index_of(std::size_t number) {
 
 /// Tests if number k of a primitive is within the limit of its key.
 template <class S, std::size_t k, class E>
-mask_t<typename E::P> is_within_limit(const std::array<E, numbers_of<S>>& primitive) {
+mask_t<typename E::P> is_within_limit(const std::array<E, number_count<S>>& primitive) {
     using Limit = Key::Limit;
     constexpr NumberIndex index = index_of<S>(k);
     constexpr Key key = S::keys[index.key];
@@ -79,12 +73,12 @@ mask_t<typename E::P> is_within_limit(const std::array<E, numbers_of<S>>& primit
 /// Tests if the numbers of a primitive are valid, by the limits of its keys. A triangle whose corners lie on one line
 /// passes this test, but no ray is proved to cross it. `settle` finds origins and directions that are not finite.
 template <class S, class E, std::size_t... k>
-mask_t<typename E::P> is_within_limits(const std::array<E, numbers_of<S>>& primitive, std::index_sequence<k...>) {
+mask_t<typename E::P> is_within_limits(const std::array<E, number_count<S>>& primitive, std::index_sequence<k...>) {
     return (is_within_limit<S, k>(primitive) && ...);
 }
 template <class S, class E>
-mask_t<typename E::P> is_proper(const std::array<E, numbers_of<S>>& primitive) {
-    return is_within_limits<S>(primitive, std::make_index_sequence<numbers_of<S>>());
+mask_t<typename E::P> is_proper(const std::array<E, number_count<S>>& primitive) {
+    return is_within_limits<S>(primitive, std::make_index_sequence<number_count<S>>());
 }
 
 /// Returns the range from tmin to tmax. If it does not contain more than one t, `proper` becomes false, and nothing is
@@ -110,7 +104,7 @@ struct RequestedResults {
 template <class S, class E>
 struct ObjectSpaceProblem {
     Ray<E> ray;
-    std::array<E, numbers_of<S>> primitive;
+    std::array<E, number_count<S>> primitive;
     E d2;
     mask_t<typename E::P> proper;
 };
@@ -124,17 +118,17 @@ struct ObjectSpaceMap {
     MatrixKind matrix;
     Affine<E> map;
     std::array<Vec<E>, 3> adjugate;
-    std::array<E, numbers_of<S>> primitive;
+    std::array<E, number_count<S>> primitive;
     mask_t<typename E::P> proper;
 
-    static ObjectSpaceMap of(const std::array<E, numbers_of<S>>& numbers, const Affine<E>& map,
+    static ObjectSpaceMap of(const std::array<E, number_count<S>>& numbers, const Affine<E>& map,
                              const MatrixKind& matrix) {
         using P = typename E::P;
         ObjectSpaceMap result{matrix, map, map.adjugate(), numbers, is_proper<S>(numbers)};
         if (matrix.orientation == 0) result.proper = P(0) < P(0);
         if (matrix.is_inverse) return result;
         const E scale = E(matrix.orientation) * map.determinant();
-        for (std::size_t k = 0; k < numbers_of<S>; ++k)
+        for (std::size_t k = 0; k < number_count<S>; ++k)
             if (S::keys[index_of<S>(k).key].kind != Key::Kind::direction) result.primitive[k] = scale * numbers[k];
         result.proper = result.proper && (scale > E(0)).yes();
         return result;
@@ -157,7 +151,7 @@ Enclosure<P> accepted_length(const E& length, const mask_t<P>& at_origin, const 
     return {select<P>(at_origin, {zero, zero}, x.middle), select(at_origin, zero, x.bound)};
 }
 
-/// Settles rays at a shape; S is the shape over `Running` words. The lambda copies the numbers: since no pointer refers
+/// Settles rays at a shape; S is the shape over `RunningError` words. The lambda copies the numbers: since no pointer refers
 /// to them, the compiler keeps them in registers and does not forget what it knows about them. `range(proper)` is
 /// called only if the rays have ranges.
 template <template <class> class S, class E, class Range, class P = typename E::P>

@@ -10,7 +10,7 @@ namespace lostbits::measure::stages {
 /// `input_error` of their sum.
 template <template <class> class ShapeOver, class W, class Word>
 auto settle_inputs(const StageKey& key, const Word& word) {
-    using E = Running<W>;
+    using E = RunningError<W>;
     using P = typename E::P;
     using Shape = ShapeOver<E>;
     const auto number = [&](std::size_t input, std::size_t low) {
@@ -29,11 +29,11 @@ auto settle_inputs(const StageKey& key, const Word& word) {
     ObjectSpaceProblem<Shape, E> problem;
     problem.ray = {{ray_number(0), ray_number(1), ray_number(2)}, {ray_number(3), ray_number(4), ray_number(5)}};
     problem.d2 = square(problem.ray.direction);
-    for (std::size_t k = 0; k < numbers_of<Shape>; ++k) problem.primitive[k] = primitive_number(k);
+    for (std::size_t k = 0; k < number_count<Shape>; ++k) problem.primitive[k] = primitive_number(k);
 
     // Takes it to the object space of a matrix.
     if (key.matrix.exists) {
-        const auto map = Affine<E>::of([&](std::size_t k) { return primitive_number(max_shape_numbers + k); });
+        const auto map = Affine<E>::of([&](std::size_t k) { return primitive_number(max_number_count + k); });
         const auto object_map = ObjectSpaceMap<Shape, E>::of(problem.primitive, map, key.matrix);
         problem = {object_map.ray(problem.ray), object_map.primitive, problem.d2, object_map.proper};
     } else {

@@ -85,7 +85,7 @@ template <template <class> class ShapeOver, class P, auto settle_pack>
         };
         const auto tie =
             settle_pack(load_all(p.ray, std::make_index_sequence<6>()),
-                        load_all(p.primitive, std::make_index_sequence<numbers_of<ShapeOver<P>>>()), requested);
+                        load_all(p.primitive, std::make_index_sequence<number_count<ShapeOver<P>>>()), requested);
         store(tie.found, p.out, i);
         store_lanes<P>(tie.touches, p.out.touches + i);
         store_lanes<P>(tie.on_surface, p.out.on_surface + i);
@@ -107,11 +107,11 @@ template <class P>
 void fill_stages(RawStages& kernels) {
     kernels = {column_kernels<P>(), settle_unit_directions<P>, {}};
     Primitives::each([&]<template <class> class ShapeOver>() {
-        constexpr std::size_t count = numbers_of<ShapeOver<P>>;
+        constexpr std::size_t count = number_count<ShapeOver<P>>;
         auto& ties = kernels.ties[shape_as<ShapeOver>];
         if constexpr (is_flat_between_points<ShapeOver<Multiple<P>>>)
             ties = settle_ties<ShapeOver, P, settle_tie<ShapeOver, P, count>>;
-        else if constexpr (is_quartic_along<ShapeOver<Running<TwoWords<P>>>>)
+        else if constexpr (is_quartic_along<ShapeOver<RunningError<TwoWords<P>>>>)
             ties = settle_ties<ShapeOver, P, settle_start<ShapeOver, P, count>>;
     });
 }

@@ -61,7 +61,7 @@ template <template <class> class ShapeOver, class P, std::size_t count>
 /// and `slope`.
 template <template <class> class ShapeOver, class P, std::size_t count>
 void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, const mask_t<P>& slope,
-                Polynomial<Running<TwoWords<P>>>& g) {
+                Polynomial<RunningError<TwoWords<P>>>& g) {
     if (!any_of(value || slope)) return;
     bool is_selected[P::lanes], with_slope[P::lanes];
     (value || slope).store(is_selected);
@@ -82,7 +82,7 @@ void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, co
 
     for (std::size_t power = 0; power < 2; ++power) {
         const auto word = [&](std::size_t k) { return P::load(words[power][k]); };
-        g.c[power] = select(power == 0 ? value : slope, Running<TwoWords<P>>(TwoWords<P>(word(0), word(1)), word(2)),
+        g.c[power] = select(power == 0 ? value : slope, RunningError<TwoWords<P>>(TwoWords<P>(word(0), word(1)), word(2)),
                             g.c[power]);
     }
 }
@@ -102,7 +102,7 @@ template <class P>
 class RootsFromStart {
 public:
     using W = TwoWords<P>;
-    using E = Running<W>;
+    using E = RunningError<W>;
     using Mask = mask_t<P>;
 
     /// All roots lie within ±`length`.
@@ -232,7 +232,7 @@ template <template <class> class ShapeOver, class P, std::size_t count>
 [[gnu::noinline]] TieFinding<P> settle_start(const std::array<P, 6>& ray, const std::array<P, count>& primitive,
                                              const RequestedResults& requested) {
     using W = TwoWords<P>;
-    using E = Running<W>;
+    using E = RunningError<W>;
     using lostbits::abs;
 
     std::array<P, 6 + count> problems;

@@ -41,7 +41,7 @@ struct TieFinding {
 /// exactly. If this t were known only to within a bound, it might lie in the binade on either side of the power of two.
 template <class P>
 struct ExactLength {
-    using BoundedWords = Running<TwoWords<P>>;
+    using BoundedWords = RunningError<TwoWords<P>>;
 
     BoundedWords length;
     mask_t<P> is_exact;
@@ -73,7 +73,7 @@ template <template <class> class ShapeOver, class P, std::size_t count>
 TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>& points,
                          const RequestedResults& requested) {
     using E = Multiple<P>;
-    using BoundedWords = Running<TwoWords<P>>;
+    using BoundedWords = RunningError<TwoWords<P>>;
 
     // Exact multiples of two units, one of points and one of directions
     const UnitAndSize<P> point_grid = std::apply(

@@ -48,11 +48,11 @@ private:
     std::size_t ray_;
     std::span<const float> values_;
     std::array<float, 6> ray_numbers_;  ///< numbers that do not vary
-    std::array<float, max_shape_numbers> primitive_numbers_;
+    std::array<float, max_number_count> primitive_numbers_;
     std::array<bool, 6> ray_varies_{};
-    std::array<bool, max_shape_numbers> primitive_varies_{};
+    std::array<bool, max_number_count> primitive_varies_{};
     std::array<std::vector<float>, 6> ray_columns_;  ///< a number that does not vary fills its whole column
-    std::array<std::vector<float>, max_shape_numbers> primitive_columns_;
+    std::array<std::vector<float>, max_number_count> primitive_columns_;
     std::array<std::vector<float>, 3> unit_columns_;  ///< directions of unit length, rounded to binary32
     std::vector<float> tmax_, near_, far_;
     std::vector<Primitive<float>> primitives_;  ///< one per float, for forms without a kernel for many primitives

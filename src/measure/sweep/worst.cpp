@@ -29,7 +29,7 @@ double move_by_steps(double x, std::int64_t steps, const FloatFormat& f) {
 
 /// Ray and primitive as one list of numbers, in the order of the ranges of the search.
 struct SearchPoint {
-    std::array<double, 6 + max_shape_numbers> numbers{};
+    std::array<double, 6 + max_number_count> numbers{};
     [[nodiscard]] Ray<double> ray() const {
         return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
     }

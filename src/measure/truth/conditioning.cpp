@@ -40,7 +40,7 @@ struct FlatProblem {
 /// Number with enough derivatives for any primitive. If each shape had its own count, the code would be compiled once
 /// for each.
 template <class E>
-using DualEnclosure = Dual<E, 6 + max_primitive_numbers>;
+using DualEnclosure = Dual<E, 6 + max_primitive_number_count>;
 
 /// Problem in which each number is an input that t is differentiated by.
 template <class E>

@@ -75,18 +75,18 @@ bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open
 template <class S, class Raw, class Use>
 void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use_column) {
     for (std::size_t k = 0; k < 6; ++k) use_column(p.ray[k], raw.ray[k], 0);
-    for (std::size_t k = 0; k < max_primitive_numbers; ++k) use_column(p.primitive[k], raw.primitive[k], 0);
+    for (std::size_t k = 0; k < max_primitive_number_count; ++k) use_column(p.primitive[k], raw.primitive[k], 0);
     use_column(p.tmin, raw.tmin, 0);
     use_column(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
     raw.two_words = !p.ray_low[0].empty();
     if (!raw.two_words) return;
     for (std::size_t k = 0; k < 6; ++k) use_column(p.ray_low[k], raw.ray_low[k], 0);
-    for (std::size_t k = 0; k < max_primitive_numbers; ++k) use_column(p.primitive_low[k], raw.primitive_low[k], 0);
+    for (std::size_t k = 0; k < max_primitive_number_count; ++k) use_column(p.primitive_low[k], raw.primitive_low[k], 0);
 }
 /// Indices of the first columns of the ray, the primitive, the range and the second words.
-inline constexpr std::size_t first_ray_column = 0, first_primitive_column = 6, tmin_column = 6 + max_primitive_numbers,
+inline constexpr std::size_t first_ray_column = 0, first_primitive_column = 6, tmin_column = 6 + max_primitive_number_count,
                              tmax_column = tmin_column + 1, first_low_column = tmax_column + 1,
-                             max_columns = first_low_column + 6 + max_primitive_numbers;
+                             max_columns = first_low_column + 6 + max_primitive_number_count;
 
 /// Findings of the stages on up to `batch_size` problems.
 struct BatchFindings {
@@ -146,7 +146,7 @@ struct GatheredProblems {
         ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .primitive = {}};
         const auto column = [this](std::size_t k) { return std::span(numbers[k]).first(size); };
         for (std::size_t k = 0; k < p.ray.size(); ++k) p.ray[k] = column(first_ray_column + k);
-        for (std::size_t k = 0; k < row_of(shape).numbers; ++k) p.primitive[k] = column(first_primitive_column + k);
+        for (std::size_t k = 0; k < row_of(shape).number_count; ++k) p.primitive[k] = column(first_primitive_column + k);
         return p;
     }
     /// Added problems in whole registers, for rays without ranges; with `two_words`, also their second words.
@@ -157,8 +157,8 @@ struct GatheredProblems {
             for (std::size_t k = 0; k < count; ++k) target[k] = {numbers[first + k], 1};
         };
         point_to_columns(first_ray_column, 6, raw.ray), point_to_columns(first_low_column, 6, raw.ray_low);
-        point_to_columns(first_primitive_column, max_primitive_numbers, raw.primitive),
-            point_to_columns(first_low_column + 6, max_primitive_numbers, raw.primitive_low);
+        point_to_columns(first_primitive_column, max_primitive_number_count, raw.primitive),
+            point_to_columns(first_low_column + 6, max_primitive_number_count, raw.primitive_low);
         raw.two_words = two_words;
         raw.tmin = {numbers[tmin_column], 1};
         raw.tmax = {numbers[tmax_column], 1};

@@ -29,7 +29,7 @@ inline constexpr double underflow_loss = std::numeric_limits<double>::denorm_min
 /// Number with a bound of its error.
 using BoundedDouble = Bounded<double>;
 /// Number with its derivatives by all inputs of a problem of any shape.
-using DualNumber = Dual<BoundedDouble, 6 + max_primitive_numbers>;
+using DualNumber = Dual<BoundedDouble, 6 + max_primitive_number_count>;
 
 inline double scaled(double x, int e) { return e == 0 ? x : std::ldexp(x, e); }
 inline double scaled(const Real& x, int e) { return Real(ldexp(x, e)).convert_to<double>(); }
@@ -73,7 +73,7 @@ public:
     template <class S>
     ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbation,
                    Length length)
-        : matrix_begin_(primitive_begin + row_of(s.shape).numbers),
+        : matrix_begin_(primitive_begin + row_of(s.shape).number_count),
           count_(matrix_begin_ + (s.transform ? Affine<S>::numbers : 0)),
           shape_(s.shape),
           is_normwise_(perturbation == Perturbed::normwise),
@@ -173,7 +173,7 @@ protected:
     [[nodiscard]] bool is_distance() const { return is_distance_; }
 
 private:
-    static constexpr std::size_t capacity = primitive_begin + max_primitive_numbers;
+    static constexpr std::size_t capacity = primitive_begin + max_primitive_number_count;
     static constexpr std::size_t linear_part_size = 9;  ///< numbers of a matrix before its translation
 
     /// Units of the numbers.

@@ -80,8 +80,8 @@ private:
         ProblemColumns<double> columns = columns_for(primitive.shape);
         const auto set_columns = [](const Primitive<double>& from, auto& to) {
             for (std::size_t k = 0; k < from.shape_numbers().size(); ++k) to[k] = std::span(&from.numbers[k], 1);
-            for (std::size_t k = max_shape_numbers; from.transform && k < max_primitive_numbers; ++k)
-                to[k] = std::span(&from.transform->matrix[k - max_shape_numbers], 1);
+            for (std::size_t k = max_number_count; from.transform && k < max_primitive_number_count; ++k)
+                to[k] = std::span(&from.transform->matrix[k - max_number_count], 1);
         };
         set_columns(words, columns.primitive);
         columns.matrix = matrix_kind_of(primitive);
@@ -104,18 +104,18 @@ private:
             return;
         }
         const Shape shape = problems_.primitives[begin_].shape;
-        const std::size_t numbers = row_of(shape).numbers;
-        std::array<std::vector<double>, 2 * max_shape_numbers> buffers;
+        const std::size_t number_count = row_of(shape).number_count;
+        std::array<std::vector<double>, 2 * max_number_count> buffers;
         for (auto& column : buffers) column.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) {
             const Primitive<S> primitive = problems_.primitives[begin_ + i];
-            for (std::size_t k = 0; k < numbers; ++k)
+            for (std::size_t k = 0; k < number_count; ++k)
                 buffers[k][i] = nearest_double(primitive.numbers[k]),
-                buffers[numbers + k][i] = nearest_low_double(primitive.numbers[k]);
+                buffers[number_count + k][i] = nearest_low_double(primitive.numbers[k]);
         }
         ProblemColumns<double> columns = columns_for(shape);
-        for (std::size_t k = 0; k < numbers; ++k) columns.primitive[k] = buffers[k];
-        for (std::size_t k = 0; two_words && k < numbers; ++k) columns.primitive_low[k] = buffers[numbers + k];
+        for (std::size_t k = 0; k < number_count; ++k) columns.primitive[k] = buffers[k];
+        for (std::size_t k = 0; two_words && k < number_count; ++k) columns.primitive_low[k] = buffers[number_count + k];
         test_columns(columns, true, [this](std::size_t i) { return static_cast<std::int32_t>(begin_ + i); });
     }
 
@@ -243,7 +243,7 @@ private:
         set_ray_columns(first_ray_column, rays_.words);
         const auto set_primitive_columns = [&](std::size_t first, const Primitive<double>& numbers) {
             target.set_numbers(first, numbers.numbers);
-            if (numbers.transform) target.set_numbers(first + max_shape_numbers, numbers.transform->matrix);
+            if (numbers.transform) target.set_numbers(first + max_number_count, numbers.transform->matrix);
         };
         set_primitive_columns(first_primitive_column,
                               convert_numbers(primitive, [](const S& x) { return nearest_double(x); }));

@@ -28,8 +28,8 @@ Truth find_single_truth(const ProblemColumns<S>& p, const TruthOptions& options,
     for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = number_in(p.primitive[k]);
     if (p.matrix.exists) {
         primitive.transform = Transform<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
-        for (std::size_t k = max_shape_numbers; k < max_primitive_numbers; ++k)
-            primitive.transform->matrix[k - max_shape_numbers] = number_in(p.primitive[k]);
+        for (std::size_t k = max_number_count; k < max_primitive_number_count; ++k)
+            primitive.transform->matrix[k - max_number_count] = number_in(p.primitive[k]);
     }
     return find_truth(
         {{number_in(r[0]), number_in(r[1]), number_in(r[2])}, {number_in(r[3]), number_in(r[4]), number_in(r[5])}},

@@ -26,14 +26,14 @@ struct ProblemColumns {
     Shape shape{};                          ///< the shape of every primitive
     /// Numbers as in `Primitive::numbers`, empty beyond those of the shape; then the numbers of the matrix, if `matrix`
     /// is transformed.
-    std::array<std::span<const S>, max_primitive_numbers> primitive;
+    std::array<std::span<const S>, max_primitive_number_count> primitive;
     std::span<const S> tmin = {}, tmax = {};  ///< the ranges of the rays; empty: from 0, without end
     OpenEnds open_ends = {};
     stages::MatrixKind matrix = {};
     /// Second words: the exact numbers minus those above, to 2^-104 of these. All are empty if the numbers above are
     /// exact.
     std::array<std::span<const S>, 6> ray_low = {};
-    std::array<std::span<const S>, max_primitive_numbers> primitive_low = {};
+    std::array<std::span<const S>, max_primitive_number_count> primitive_low = {};
 };
 
 /// True if the truth by a convention may differ from the truth for the closed primitive, because the ray touches it or

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "number/concept.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 
 namespace lostbits::number::wide {
 
@@ -29,7 +29,7 @@ namespace lostbits::number::wide {
 template <std::size_t N>
 class AffineForm {
 public:
-    using Centre = Running<TwoWords<double>>;
+    using Centre = RunningError<TwoWords<double>>;
     /// Index after the last component of each vector, in ascending order, up to N. If empty, each ηᵢ is bounded by
     /// itself.
     using Vectors = std::span<const std::size_t>;

@@ -10,7 +10,7 @@
 namespace lostbits::number::wide {
 
 /// Operation of an instruction. Numbers are stored as columns of words, decisions as columns of masks. A bounded number
-/// has two or three columns: its one or two words and its bound (`Running`).
+/// has two or three columns: its one or two words and its bound (`RunningError`).
 enum class ColumnOperation : std::uint8_t {
     // on words
     add,

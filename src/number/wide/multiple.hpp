@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "number/tri.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 
 namespace lostbits::number::wide {
 
@@ -66,7 +66,7 @@ public:
     Multiple(const P& x, const UnitAndSize<P>& grid) : w_(x), unit_(grid.unit), size_(grid.size) {}
 
     /// The number, with bound 0 if it is known and infinity otherwise.
-    [[nodiscard]] Running<TwoWords<P>> running() const {
+    [[nodiscard]] RunningError<TwoWords<P>> running() const {
         using lostbits::select;
         return {w_, select(is_known(), P(0), P(HUGE_VAL))};
     }

@@ -55,7 +55,7 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
     text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.largest_ratio);
     if (seen.running_hits > 0)
         text += fmt::format(
-            " Running bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the box.",
+            " RunningError bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the box.",
             seen.largest_running_bound, seen.wider_running_bounds);
     return text + "\n";
 }

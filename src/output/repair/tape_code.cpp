@@ -32,7 +32,7 @@ TapeCode::TapeCode(const Tape& tape, const Intersector& form, std::vector<NodeId
       language_(std::move(language)),
       form_format_(tape.format_of(tape.outputs.t)),
       input_names_(input_names_of(form)),
-      primitive_numbers_(row_of(form.shape).numbers) {
+      primitive_number_count_(row_of(form.shape).number_count) {
     assign_names(reference);
     choose_inlined();
 }
@@ -66,7 +66,7 @@ std::string TapeCode::identifier(std::string_view label) const {
 
 // Conversions get no names, so the names of other operations do not depend on which operations are wider.
 void TapeCode::assign_names(const TapeCode* reference) {
-    const auto first_of_matrix = static_cast<NodeId>(6 + primitive_numbers_);
+    const auto first_of_matrix = static_cast<NodeId>(6 + primitive_number_count_);
     std::set<std::string> used;
     if (reference)
         for (const auto& [key, names] : reference->names_by_key_) used.insert(names.begin(), names.end());

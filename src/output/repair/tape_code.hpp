@@ -74,7 +74,7 @@ private:
     FloatFormat form_format_;
     std::vector<std::string> input_names_;
     std::vector<std::string> names_;  ///< one per node
-    std::size_t primitive_numbers_;   ///< number of inputs that describe the primitive, between the ray and the matrix
+    std::size_t primitive_number_count_;   ///< number of inputs that describe the primitive, between the ray and the matrix
     /// Names of operations without a label, by their key (`make_key`). Equal operations have the same key.
     std::map<std::string, std::vector<std::string>> names_by_key_;
     std::vector<std::string>

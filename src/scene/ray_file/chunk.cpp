@@ -116,7 +116,7 @@ std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_range() const
 
 std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_primitive() const {
     if (!shape_) return std::nullopt;
-    const std::size_t count = row_of(*shape_).numbers;
+    const std::size_t count = row_of(*shape_).number_count;
     for (std::size_t s = slot::primitive; s < slot::primitive + count; ++s) {
         if (!layout_.has(s)) continue;  // the column is optional, and the number 0
         if (!is_present(s) || !std::isfinite(numbers_[s]))

@@ -29,7 +29,7 @@ std::vector<KnownName> make_known_names() {
 
     add(slot::origin, {"ox", "oy", "oz", "dx", "dy", "dz", "tmax", "tmin"});
     for (const ShapeRow& shape_row : shape_rows)
-        for (std::size_t k = 0; k < shape_row.numbers; ++k)
+        for (std::size_t k = 0; k < shape_row.number_count; ++k)
             known.push_back({column_names(shape_row.shape)[k], slot::primitive + k, shape_row.shape});
 
     add(slot::t, {"t"});
@@ -44,7 +44,7 @@ std::vector<KnownName> make_known_names() {
     add(slot::origin,
         {"origin_x", "origin_y", "origin_z", "direction_x", "direction_y", "direction_z", "t_max", "t_min"});
     for (const ShapeRow& shape_row : shape_rows)
-        for (std::size_t k = 0; k < shape_row.numbers; ++k)
+        for (std::size_t k = 0; k < shape_row.number_count; ++k)
             for (std::string& name : other_column_names(shape_row.shape, k))
                 known.push_back({std::move(name), slot::primitive + k, shape_row.shape});
     return known;
@@ -79,7 +79,7 @@ struct NamedNumbers {
     /// True if no required number is missing.
     [[nodiscard]] bool are_complete() const {
         bool is_complete = true;
-        for (std::size_t k = 0; k < row_of(shape).numbers; ++k)
+        for (std::size_t k = 0; k < row_of(shape).number_count; ++k)
             is_complete = is_complete && (slots.contains(slot::primitive + k) || is_optional(shape, k));
         return is_complete;
     }
@@ -301,7 +301,7 @@ void Layout::require_complete(const Complain& complain) const {
                                 names));
 
     if (!primitive_shape_) return;
-    const std::size_t end = slot::primitive + row_of(*primitive_shape_).numbers;
+    const std::size_t end = slot::primitive + row_of(*primitive_shape_).number_count;
     if (const auto names = missing_names(slot::primitive, end, *primitive_shape_); !names.empty())
         complain(0, fmt::format("{} has no {}; its columns are {}", with_article(*primitive_shape_), names,
                                 fmt::join(column_names(*primitive_shape_), ",")));

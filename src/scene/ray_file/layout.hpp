@@ -17,7 +17,7 @@ namespace lostbits::scene::ray_file {
 /// primitive, its answer, and the matrix of its primitive, row by row.
 namespace slot {
 inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, primitive = 8;
-inline constexpr std::size_t t = primitive + max_shape_numbers, hit = t + 1, object = t + 2;
+inline constexpr std::size_t t = primitive + max_number_count, hit = t + 1, object = t + 2;
 inline constexpr std::size_t hit_index = t + 3, crossings = t + 4, parity = t + 5, inside = t + 6, matrix = t + 7;
 inline constexpr std::size_t count = matrix + Affine<double>::numbers;
 }  // namespace slot

@@ -14,7 +14,7 @@ namespace {
 template <class S>
 struct Drawn {
     std::array<S, 6> ray;
-    std::array<std::vector<S>, max_shape_numbers> column;
+    std::array<std::vector<S>, max_number_count> column;
     std::vector<S> t;
 };
 
@@ -38,7 +38,7 @@ Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
         if (random.one_in(6))
             primitive.shape_numbers()[
                 random.between(0, static_cast<long>(primitive.shape_numbers().size()) - 1)] = draw_any<S>(random);
-        for (std::size_t c = 0; c < max_shape_numbers; ++c) d.column[c].push_back(primitive.numbers[c]);
+        for (std::size_t c = 0; c < max_number_count; ++c) d.column[c].push_back(primitive.numbers[c]);
         d.t.push_back(draw_end<S>(random));
     }
     return d;
@@ -57,7 +57,7 @@ Expected<S> one_by_one(const intersect::simd::PackedFormKernels& row, Shape shap
     for (std::size_t i = 0; i < n; ++i) {
         Scene<S> scene;
         scene.primitive.shape = shape;
-        for (std::size_t c = 0; c < max_shape_numbers; ++c) scene.primitive.numbers[c] = d.column[c][i];
+        for (std::size_t c = 0; c < max_number_count; ++c) scene.primitive.numbers[c] = d.column[c][i];
         scene.add(d.ray);
         scene.tmax.push_back(d.t[i]);
         const Answers<S> a = run(row, scene);
@@ -70,9 +70,9 @@ Expected<S> one_by_one(const intersect::simd::PackedFormKernels& row, Shape shap
 /// The first n primitives, columns that end where a page ends, answers with a margin that stays.
 template <class S>
 Expected<S> at_once(const intersect::simd::ManyFormKernels& row, Shape shape, const Drawn<S>& d, std::size_t n) {
-    std::array<std::unique_ptr<const Cornered<S>>, max_shape_numbers> columns;
+    std::array<std::unique_ptr<const Cornered<S>>, max_number_count> columns;
     intersect::simd::PrimitiveArrays<S> primitives;
-    for (std::size_t c = 0; c < row_of(shape).numbers; ++c) {
+    for (std::size_t c = 0; c < row_of(shape).number_count; ++c) {
         columns[c] = std::make_unique<const Cornered<S>>(std::span(d.column[c]).first(n));
         primitives.numbers[c] = columns[c]->span();
     }

@@ -59,7 +59,7 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
     for (const RayGroup& one : rays) block.push(one.rays[0]);
     scene::test::Columns columns = test::ray_columns(block);
     const Shape shape = rays.front().primitives.front().shape;
-    for (std::size_t k = 0; k < row_of(shape).numbers; ++k) {
+    for (std::size_t k = 0; k < row_of(shape).number_count; ++k) {
         std::vector<double> column;
         for (const RayGroup& one : rays) column.push_back(one.primitives.front().numbers[k]);
         columns.add(column_names(shape)[k], column);

@@ -1,4 +1,4 @@
-// Number of consecutive roundings in a bound of `Running`: counted through the spans of all shapes, with a transform
+// Number of consecutive roundings in a bound of `RunningError`: counted through the spans of all shapes, with a transform
 // too, and through the stages. Also a sum whose words overflow internally, which decides nothing.
 #include <algorithm>
 #include <array>
@@ -83,8 +83,8 @@ struct lostbits::number::wide::WordProperties<lostbits::test::test_chain_length:
 
 namespace lostbits::test::test_chain_length {
 
-using number::wide::Running;
-using E = Running<Word>;
+using number::wide::RunningError;
+using E = RunningError<Word>;
 
 namespace {
 
@@ -133,7 +133,7 @@ TEST_CASE("bounds of every shape are no longer than their margin allows", "[runn
 
 TEST_CASE("a sum that overflows internally has a finite first word and decides nothing", "[running]") {
     using Two = number::wide::TwoWords<double>;
-    using Certain = Running<Two>;
+    using Certain = RunningError<Two>;
     const double largest = std::numeric_limits<double>::max();
     const Two words = number::wide::sum_of(-0x1.8p971, largest);
     REQUIRE(std::isfinite(words.hi));

@@ -16,7 +16,7 @@ namespace test_roots_from_start {
 using namespace lostbits;
 using namespace lostbits::test;
 using W = number::wide::TwoWords<double>;
-using E = number::wide::Running<W>;
+using E = number::wide::RunningError<W>;
 
 namespace {
 

@@ -50,9 +50,9 @@ std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
         for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
             p[input_of_primitive + k] = primitive.numbers[k];
         for (std::size_t k = 0; k < Affine<double>::numbers; ++k)
-            p[input_of_primitive + max_shape_numbers + k] = (k % 5 == 0 ? 1.0 : 0.0) + spread(0.2);
+            p[input_of_primitive + max_number_count + k] = (k % 5 == 0 ? 1.0 : 0.0) + spread(0.2);
         for (std::size_t k = 0; k < 6; ++k) p[input_of_ray_low + k] = p[input_of_ray + k] * 0x1p-55;
-        for (std::size_t k = 0; k < max_primitive_numbers; ++k)
+        for (std::size_t k = 0; k < max_primitive_number_count; ++k)
             p[input_of_primitive_low + k] = p[input_of_primitive + k] * -0x1.8p-56;
         p[input_of_tmin] = i % 3 == 0 ? 0 : drawn(from, 0, 3);
         p[input_of_tmax] = i % 4 == 0 ? HUGE_VAL : p[input_of_tmin] + drawn(from, 0.5, 6);
@@ -81,7 +81,7 @@ public:
         };
         for (std::size_t k = 0; k < 6; ++k)
             p.ray[k] = column(input_of_ray + k), p.ray_low[k] = column(input_of_ray_low + k);
-        for (std::size_t k = 0; k < max_primitive_numbers; ++k)
+        for (std::size_t k = 0; k < max_primitive_number_count; ++k)
             p.primitive[k] = column(input_of_primitive + k), p.primitive_low[k] = column(input_of_primitive_low + k);
         p.tmin = column(input_of_tmin), p.tmax = column(input_of_tmax);
         p.two_words = key.two_words, p.has_ranges = key.has_ranges, p.open_ends = key.open_ends, p.matrix = key.matrix;

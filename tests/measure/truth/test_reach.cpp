@@ -33,7 +33,7 @@ public:
         : ray_(ray),
           primitive_(primitive),
           format_(format),
-          count_(6 + row_of(primitive.shape).numbers),
+          count_(6 + row_of(primitive.shape).number_count),
           x_(numbers_of(ray, primitive)) {
         for (std::size_t k = 0; k < 3; ++k) book_.crossed[k] = x_[3 + k] != 0;
         const auto found = measure::truth::find_truth(ray, primitive);

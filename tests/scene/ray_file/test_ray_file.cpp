@@ -189,7 +189,7 @@ namespace {
 /// 1, 4, 9, … of the numbers of a shape in their own order, but for one that is below the one before it: every limit is
 /// kept.
 std::vector<int> squares_of(const ShapeRow& row) {
-    std::vector<int> all(row.numbers);
+    std::vector<int> all(row.number_count);
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<int>((k + 1) * (k + 1));
     for_each_key(row.shape, [&](const Key& key, std::size_t k) {
         if (key.limit == Key::Limit::non_negative_below_previous || key.limit == Key::Limit::positive_below_previous)
@@ -208,14 +208,14 @@ TEST_CASE("the columns of each shape give its numbers in either order") {
         for (const bool reversed : {false, true}) {
             if (reversed) std::ranges::reverse(names);
             std::string text = "ox,oy,oz,dx,dy,dz", line = "\n0,0,-5,0,0,1";
-            for (std::size_t k = 0; k < row.numbers; ++k) {
-                const int x = numbers[reversed ? row.numbers - 1 - k : k];
+            for (std::size_t k = 0; k < row.number_count; ++k) {
+                const int x = numbers[reversed ? row.number_count - 1 - k : k];
                 text += "," + names[k], line += "," + std::to_string(x);
             }
             const ScratchRayFile file("a.csv", text + ",t" + line + ",1\n");
             const Chunk chunk = read_all(*open_ray_file(file.path(), {})).front();
             REQUIRE(chunk.primitives.front().shape == row.shape);
-            for (std::size_t k = 0; k < row.numbers; ++k) CHECK(chunk.primitives.front().numbers[k] == numbers[k]);
+            for (std::size_t k = 0; k < row.number_count; ++k) CHECK(chunk.primitives.front().numbers[k] == numbers[k]);
         }
     }
 }

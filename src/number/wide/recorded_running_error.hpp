@@ -1,10 +1,10 @@
-// `Running` over recorded words. A formula instantiated once with these numbers becomes a program of columns.
+// `RunningError` over recorded words. A formula instantiated once with these numbers becomes a program of columns.
 #pragma once
 
 #include <concepts>
 
 #include "number/wide/column_program.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/running_error.hpp"
 
 namespace lostbits::number::wide {
 
@@ -120,19 +120,19 @@ inline Order<TriMask<ColumnMask>> order_of_first_words(const ColumnWord& x, cons
 template <class W>
 concept ColumnWords = std::same_as<W, ColumnWord> || std::same_as<W, TwoWords<ColumnWord>>;
 
-/// Running numbers over recorded words. Each operation is one instruction, whose kernel is that of `Running` over
+/// The same number over recorded words. Each operation is one instruction, whose kernel is that of `RunningError` over
 /// packs, so its words and bounds have the same bits. If a number has no second word and no bound when it is recorded,
 /// it has none for any ray.
 template <ColumnWords W>
-class Running<W> {
+class RunningError<W> {
 public:
     using P = ColumnWord;
     using Lanes = ColumnMask;
 
-    Running() = default;
-    explicit Running(std::same_as<int> auto x) : w_(x), e_(0) {}
-    explicit Running(const W& w) : w_(w), e_(0) {}
-    Running(const W& w, const P& e) : w_(w), e_(e) {}
+    RunningError() = default;
+    explicit RunningError(std::same_as<int> auto x) : w_(x), e_(0) {}
+    explicit RunningError(const W& w) : w_(w), e_(0) {}
+    RunningError(const W& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const W& words() const { return w_; }
     [[nodiscard]] const P& first() const { return WordProperties<W>::first(w_); }
@@ -140,60 +140,60 @@ public:
     [[nodiscard]] const P& bound() const { return e_; }
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
-    friend Running operator+(const Running& a, const Running& b) {
+    friend RunningError operator+(const RunningError& a, const RunningError& b) {
         return record_number(ColumnOperation::bounded_add, a, b);
     }
-    friend Running operator-(const Running& a, const Running& b) {
+    friend RunningError operator-(const RunningError& a, const RunningError& b) {
         return record_number(ColumnOperation::bounded_subtract, a, b);
     }
-    friend Running operator-(const Running& a) { return {WordProperties<W>::negative(a.w_), a.e_}; }
-    friend Running operator*(const Running& a, const Running& b) {
+    friend RunningError operator-(const RunningError& a) { return {WordProperties<W>::negative(a.w_), a.e_}; }
+    friend RunningError operator*(const RunningError& a, const RunningError& b) {
         return record_number(ColumnOperation::bounded_multiply, a, b);
     }
-    friend Running operator/(const Running& a, const Running& b) {
+    friend RunningError operator/(const RunningError& a, const RunningError& b) {
         return record_number(ColumnOperation::bounded_divide, a, b);
     }
-    friend Running square(const Running& a) { return record_number(ColumnOperation::bounded_square, a); }
-    friend Running sqrt(const Running& a) { return record_number(ColumnOperation::bounded_root, a); }
-    friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
+    friend RunningError square(const RunningError& a) { return record_number(ColumnOperation::bounded_square, a); }
+    friend RunningError sqrt(const RunningError& a) { return record_number(ColumnOperation::bounded_root, a); }
+    friend RunningError difference_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d) {
         return record_number(ColumnOperation::bounded_product_difference, a, b, c, d);
     }
-    friend Running sum_of_products(const Running& a, const Running& b, const Running& c, const Running& d,
-                                   const Running& f, const Running& g) {
+    friend RunningError sum_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d,
+                                   const RunningError& f, const RunningError& g) {
         return record_number(ColumnOperation::bounded_product_sum, a, b, c, d, f, g);
     }
-    friend Running sum_of_squares(const Running& a, const Running& b, const Running& c) {
+    friend RunningError sum_of_squares(const RunningError& a, const RunningError& b, const RunningError& c) {
         return record_number(ColumnOperation::bounded_square_sum, a, b, c);
     }
-    Running& operator+=(const Running& b) { return *this = *this + b; }
-    Running& operator-=(const Running& b) { return *this = *this - b; }
-    Running& operator*=(const Running& b) { return *this = *this * b; }
+    RunningError& operator+=(const RunningError& b) { return *this = *this + b; }
+    RunningError& operator-=(const RunningError& b) { return *this = *this - b; }
+    RunningError& operator*=(const RunningError& b) { return *this = *this * b; }
 
-    friend TriMask<Lanes> operator<(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<(const RunningError& a, const RunningError& b) {
         return record_decision(ColumnOperation::bounded_less, a, b);
     }
-    friend TriMask<Lanes> operator<=(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<=(const RunningError& a, const RunningError& b) {
         return record_decision(ColumnOperation::bounded_at_most, a, b);
     }
-    friend TriMask<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
-    friend TriMask<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
+    friend TriMask<Lanes> operator>(const RunningError& a, const RunningError& b) { return !(a <= b); }
+    friend TriMask<Lanes> operator>=(const RunningError& a, const RunningError& b) { return !(a < b); }
 
-    friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
-    friend Running next_up(const Running& a) { return a; }
-    friend Running next_down(const Running& a) { return a; }
-    friend Running abs(const Running& a) {
+    friend RunningError fma(const RunningError& a, const RunningError& b, const RunningError& c) { return a * b + c; }
+    friend RunningError next_up(const RunningError& a) { return a; }
+    friend RunningError next_down(const RunningError& a) { return a; }
+    friend RunningError abs(const RunningError& a) {
         const Lanes is_negative = a.first() < P(0);
         return {select(is_negative, WordProperties<W>::negative(a.w_), a.w_), a.e_};
     }
-    friend Running copysign(const Running& a, const Running& b) {
-        const Running x = abs(a), zero(0);
+    friend RunningError copysign(const RunningError& a, const RunningError& b) {
+        const RunningError x = abs(a), zero(0);
         return select(TriMask<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);
     }
-    friend Running select(const Lanes& mask, const Running& a, const Running& b) {
+    friend RunningError select(const Lanes& mask, const RunningError& a, const RunningError& b) {
         return {select(mask, a.w_, b.w_), select(mask, a.e_, b.e_)};
     }
-    friend Running select(const TriMask<Lanes>& mask, const Running& a, const Running& b) {
-        const Running x = select(mask.yes(), a, b);
+    friend RunningError select(const TriMask<Lanes>& mask, const RunningError& a, const RunningError& b) {
+        const RunningError x = select(mask.yes(), a, b);
         return {x.w_, select(mask.yes() || mask.no(), x.e_, P(HUGE_VAL))};
     }
 
@@ -207,7 +207,7 @@ private:
     }
     template <class... Numbers>
     static auto record_operation(ColumnOperation operation, std::uint8_t output_count, const Numbers&... numbers) {
-        const std::array<const Running*, sizeof...(numbers)> operands{&numbers...};
+        const std::array<const RunningError*, sizeof...(numbers)> operands{&numbers...};
         unsigned exact = 0;
         for (std::size_t k = 0; k < operands.size(); ++k)
             exact |= static_cast<unsigned>(operands[k]->is_exact_word()) << k;
@@ -224,12 +224,12 @@ private:
         return ColumnRecorder::current().record(instruction);
     }
     template <class... Numbers>
-    static Running record_number(ColumnOperation operation, const Numbers&... numbers) {
+    static RunningError record_number(ColumnOperation operation, const Numbers&... numbers) {
         const auto results = record_operation(operation, has_two_words ? 3 : 2, numbers...);
         if constexpr (has_two_words) return {W(P::at(results[0]), P::at(results[1])), P::at(results[2])};
         else return {P::at(results[0]), P::at(results[1])};
     }
-    static TriMask<Lanes> record_decision(ColumnOperation operation, const Running& a, const Running& b) {
+    static TriMask<Lanes> record_decision(ColumnOperation operation, const RunningError& a, const RunningError& b) {
         const auto results = record_operation(operation, 2, a, b);
         return {Lanes(results[0]), Lanes(results[1])};
     }
@@ -238,6 +238,6 @@ private:
     P e_;
 };
 
-static_assert(Number<Running<ColumnWord>> && Number<Running<TwoWords<ColumnWord>>>);
+static_assert(Number<RunningError<ColumnWord>> && Number<RunningError<TwoWords<ColumnWord>>>);
 
 }  // namespace lostbits::number::wide

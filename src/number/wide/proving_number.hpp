@@ -1,4 +1,4 @@
-// Proving: a number of a formula together with a bound on its rounding error, both in the formula's own format. A
+// ProvingNumber: a number of a formula together with a bound on its rounding error, both in the formula's own format. A
 // filter decides a comparison if the bounds of both numbers prove it.
 #pragma once
 
@@ -43,16 +43,16 @@ P outward_factor() {
 /// A comparison uses d, the rounded difference, which has the sign of the exact difference. Its bound is
 /// e = (e_a + e_b)(1 + 2^-9), which covers the factor 1 + 2^-10 and the rounding u|d| of d itself.
 template <class T>
-class Proving {
+class ProvingNumber {
 public:
     using P = decltype(plain_value(std::declval<const T&>()));
     using Lanes = mask_t<P>;
     using Mask = TriMask<Lanes>;
 
-    explicit Proving(std::same_as<int> auto x) : w_(T(x)), e_(0) {}
+    explicit ProvingNumber(std::same_as<int> auto x) : w_(T(x)), e_(0) {}
     /// An input: exact.
-    explicit Proving(const T& w) : w_(w), e_(0) {}
-    Proving(const T& w, const P& e) : w_(w), e_(e) {}
+    explicit ProvingNumber(const T& w) : w_(w), e_(0) {}
+    ProvingNumber(const T& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const T& word() const { return w_; }
     /// Upper bound on the distance from the word to any enclosed x.
@@ -63,56 +63,56 @@ public:
         return {is_positive, !is_positive};
     }
 
-    friend Proving operator+(const Proving& a, const Proving& b) {
+    friend ProvingNumber operator+(const ProvingNumber& a, const ProvingNumber& b) {
         return with_rounding_error(a.w_ + b.w_, a.e_ + b.e_);
     }
-    friend Proving operator-(const Proving& a, const Proving& b) {
+    friend ProvingNumber operator-(const ProvingNumber& a, const ProvingNumber& b) {
         return with_rounding_error(a.w_ - b.w_, a.e_ + b.e_);
     }
-    friend Proving operator-(const Proving& a) { return {-a.w_, a.e_}; }
-    friend Proving operator*(const Proving& a, const Proving& b) {
+    friend ProvingNumber operator-(const ProvingNumber& a) { return {-a.w_, a.e_}; }
+    friend ProvingNumber operator*(const ProvingNumber& a, const ProvingNumber& b) {
         return with_rounding_error(a.w_ * b.w_,
                                    (a.magnitude() + a.e_) * b.e_ + b.magnitude() * a.e_ + smallest_normal<P>());
     }
-    friend Proving operator/(const Proving& a, const Proving& b) {
+    friend ProvingNumber operator/(const ProvingNumber& a, const ProvingNumber& b) {
         using lostbits::select;
-        const Proving q = with_rounding_error(a.w_ / b.w_, smallest_normal<P>());
+        const ProvingNumber q = with_rounding_error(a.w_ / b.w_, smallest_normal<P>());
         const P min_divisor = b.magnitude() - b.radius(), underflow_loss = smallest_normal<P>();
         const P propagated_error = (a.e_ + (q.magnitude() + underflow_loss) * b.e_ + underflow_loss) / min_divisor;
         return {q.w_, select(min_divisor > P(0), q.e_ + propagated_error, P(1) / P(0))};
     }
-    Proving& operator+=(const Proving& b) { return *this = *this + b; }
-    Proving& operator-=(const Proving& b) { return *this = *this - b; }
-    Proving& operator*=(const Proving& b) { return *this = *this * b; }
+    ProvingNumber& operator+=(const ProvingNumber& b) { return *this = *this + b; }
+    ProvingNumber& operator-=(const ProvingNumber& b) { return *this = *this - b; }
+    ProvingNumber& operator*=(const ProvingNumber& b) { return *this = *this * b; }
 
-    friend Mask operator<(const Proving& a, const Proving& b) {
+    friend Mask operator<(const ProvingNumber& a, const ProvingNumber& b) {
         const P d = plain_value(a.w_) - plain_value(b.w_), e = (a.e_ + b.e_) * outward_factor<P>();
         return {d<-e, d> e};
     }
-    friend Mask operator<=(const Proving& a, const Proving& b) { return a < b; }
-    friend Mask operator>(const Proving& a, const Proving& b) { return b < a; }
-    friend Mask operator>=(const Proving& a, const Proving& b) { return b < a; }
+    friend Mask operator<=(const ProvingNumber& a, const ProvingNumber& b) { return a < b; }
+    friend Mask operator>(const ProvingNumber& a, const ProvingNumber& b) { return b < a; }
+    friend Mask operator>=(const ProvingNumber& a, const ProvingNumber& b) { return b < a; }
 
-    friend Proving sqrt(const Proving& a) {
+    friend ProvingNumber sqrt(const ProvingNumber& a) {
         using lostbits::sqrt, lostbits::select;
-        const Proving root = with_rounding_error(sqrt(a.w_), P(0));
+        const ProvingNumber root = with_rounding_error(sqrt(a.w_), P(0));
         const P propagated_error = (a.e_ + smallest_normal<P>()) / plain_value(root.w_);
         return {root.w_, select(plain_value(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
     }
-    friend Proving fma(const Proving& a, const Proving& b, const Proving& c) { return a * b + c; }
+    friend ProvingNumber fma(const ProvingNumber& a, const ProvingNumber& b, const ProvingNumber& c) { return a * b + c; }
     /// Returns the number itself: the pair encloses real numbers, which have no neighbours.
-    friend Proving next_up(const Proving& a) { return a; }
-    friend Proving next_down(const Proving& a) { return a; }
-    friend Proving abs(const Proving& a) {
+    friend ProvingNumber next_up(const ProvingNumber& a) { return a; }
+    friend ProvingNumber next_down(const ProvingNumber& a) { return a; }
+    friend ProvingNumber abs(const ProvingNumber& a) {
         using lostbits::abs;
         return {abs(a.w_), a.e_};
     }
-    friend Proving copysign(const Proving& a, const Proving& b) {
-        const Proving x = abs(a);
-        return select(b < Proving(0), -x, x);
+    friend ProvingNumber copysign(const ProvingNumber& a, const ProvingNumber& b) {
+        const ProvingNumber x = abs(a);
+        return select(b < ProvingNumber(0), -x, x);
     }
     /// If the mask is undecided, the result is b with an infinite bound.
-    friend Proving select(const Mask& mask, const Proving& a, const Proving& b) {
+    friend ProvingNumber select(const Mask& mask, const ProvingNumber& a, const ProvingNumber& b) {
         using lostbits::select;
         return {select(constant_mask<T>(mask.yes()), a.w_, b.w_),
                 select(mask.yes(), a.e_, select(mask.no(), b.e_, P(1) / P(0)))};
@@ -123,7 +123,7 @@ private:
         using lostbits::abs;
         return abs(plain_value(w_));
     }
-    static Proving with_rounding_error(const T& w, const P& propagated_error) {
+    static ProvingNumber with_rounding_error(const T& w, const P& propagated_error) {
         using lostbits::abs;
         return {w, propagated_error + roundoff<P>() * abs(plain_value(w))};
     }
@@ -132,6 +132,6 @@ private:
     P e_;
 };
 
-static_assert(Number<Proving<float>> && Number<Proving<double>>);
+static_assert(Number<ProvingNumber<float>> && Number<ProvingNumber<double>>);
 
 }  // namespace lostbits::number::wide

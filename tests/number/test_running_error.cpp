@@ -1,6 +1,6 @@
-// Running, of one word and of two, and Proving, of floats and doubles, against intervals of thousands of bits: every
+// RunningError, of one word and of two, and ProvingNumber, of floats and doubles, against intervals of thousands of bits: every
 // operation holds the exact result of every number that it was given, over all exponents; no comparison is decided
-// wrongly, and none by a bound that is infinite or NaN. The words of Proving are the format's own.
+// wrongly, and none by a bound that is infinite or NaN. The words of ProvingNumber are the format's own.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,13 +14,13 @@
 #include "number/random.hpp"
 #include "number/recorded.hpp"
 #include "number/recorders/tape_recorder.hpp"
-#include "number/wide/proving.hpp"
-#include "number/wide/running.hpp"
+#include "number/wide/proving_number.hpp"
+#include "number/wide/running_error.hpp"
 
-namespace lostbits::test::test_running {
+namespace lostbits::test::test_running_error {
 
-using number::wide::Proving;
-using number::wide::Running;
+using number::wide::ProvingNumber;
+using number::wide::RunningError;
 using number::wide::TwoWords;
 
 namespace {
@@ -31,7 +31,7 @@ constexpr long exact_bits = 2400;
 template <class N>
 constexpr bool proves = false;
 template <class F>
-constexpr bool proves<Proving<F>> = true;
+constexpr bool proves<ProvingNumber<F>> = true;
 
 /// Words of a number with a bound, and their format.
 template <class N>
@@ -225,61 +225,61 @@ void comparisons_hold() {
 template <class W>
 void nothing_is_said_without_a_bound() {
     constexpr double inf = HUGE_VAL, none = std::numeric_limits<double>::quiet_NaN();
-    const Running<W> one(1), two(2);
+    const RunningError<W> one(1), two(2);
     const auto silent = [](const auto& said) { return !said.yes() && !said.no(); };
-    const auto says_nothing = [&](const Running<W>& x) {
+    const auto says_nothing = [&](const RunningError<W>& x) {
         CHECK(silent(x < one));
         CHECK(silent(one <= x));
         CHECK(silent(x > two));
         CHECK(silent(two >= x));
         for (const auto& y : {x + one, one - x, x * two, x / two, one / x, sqrt(x), -x, abs(x)}) CHECK(silent(y < two));
     };
-    for (const double bound : {inf, none}) says_nothing(Running<W>(W(1), bound));
+    for (const double bound : {inf, none}) says_nothing(RunningError<W>(W(1), bound));
     for (const double word : {inf, -inf, none}) {
-        const Running<W> x(W(word), 0);
+        const RunningError<W> x(W(word), 0);
         CHECK(silent(x < one));
         CHECK(silent(x > one));
         for (const auto& y : {x + one, x * two, sqrt(x)}) CHECK(silent(y < two));
     }
     // Results that overflow, and quotients and roots that may not exist.
-    const Running<W> large(W(0x1p+1000), 0);
+    const RunningError<W> large(W(0x1p+1000), 0);
     says_nothing(large * large);
-    says_nothing(one / Running<W>(W(1), 1.0));
-    says_nothing(sqrt(Running<W>(W(1), 1.0)));
+    says_nothing(one / RunningError<W>(W(1), 1.0));
+    says_nothing(sqrt(RunningError<W>(W(1), 1.0)));
     says_nothing(sqrt(-one));
     // Both sides of an open decision.
-    const Running<W> unsure(W(1), 0.5);
+    const RunningError<W> unsure(W(1), 0.5);
     says_nothing(select(unsure < one, one, two));
     CHECK((select(one < two, one, two) < two).yes());
-    CHECK((one - one <= Running<W>(0)).yes());
-    CHECK((Running<W>(W(0.25)) > Running<W>(0)).yes());
-    CHECK((Running<W>(W(0.25)) < one).yes());
+    CHECK((one - one <= RunningError<W>(0)).yes());
+    CHECK((RunningError<W>(W(0.25)) > RunningError<W>(0)).yes());
+    CHECK((RunningError<W>(W(0.25)) < one).yes());
 }
 
 }  // namespace
 
 TEST_CASE("running bounds of one word hold the exact value", "[number][running]") {
-    operations_hold<Running<double>>(0.5);
-    sums_hold<Running<double>>(0.5);
-    comparisons_hold<Running<double>>();
+    operations_hold<RunningError<double>>(0.5);
+    sums_hold<RunningError<double>>(0.5);
+    comparisons_hold<RunningError<double>>();
     nothing_is_said_without_a_bound<double>();
 }
 
 TEST_CASE("running bounds of two words hold the exact value", "[number][running]") {
-    operations_hold<Running<TwoWords<double>>>(0.1);
-    sums_hold<Running<TwoWords<double>>>(0.1);
-    comparisons_hold<Running<TwoWords<double>>>();
+    operations_hold<RunningError<TwoWords<double>>>(0.1);
+    sums_hold<RunningError<TwoWords<double>>>(0.1);
+    comparisons_hold<RunningError<TwoWords<double>>>();
     nothing_is_said_without_a_bound<TwoWords<double>>();
 }
 
 TEMPLATE_TEST_CASE("a bound computed in the format itself holds every exact result", "[number][proving]", float,
                    double) {
-    operations_hold<Proving<TestType>>(0.9);
-    comparisons_hold<Proving<TestType>>();
+    operations_hold<ProvingNumber<TestType>>(0.9);
+    comparisons_hold<ProvingNumber<TestType>>();
 }
 
 TEST_CASE("bounds add no operation to a tape, and a selection records both of its sides", "[number][proving]") {
-    using E = Proving<Recorded>;
+    using E = ProvingNumber<Recorded>;
     const auto recorded = [](float x, float y) {
         Tape tape;
         const number::recorders::TapeRecorder recorder(tape, binary32);
@@ -298,4 +298,4 @@ TEST_CASE("bounds add no operation to a tape, and a selection records both of it
     CHECK(recorded(3, 4) == recorded(4, 3));
 }
 
-}  // namespace lostbits::test::test_running
+}  // namespace lostbits::test::test_running_error

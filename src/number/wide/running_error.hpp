@@ -1,4 +1,5 @@
-// Running: an enclosure for many rays at once. It has a number of one or two words, and a bound on its error.
+// RunningError: a number of one or two words with a bound on its error (a running error analysis), for many rays at
+// once.
 #pragma once
 
 #include <cmath>
@@ -37,7 +38,7 @@ bool is_unset(const M& mask) {
     return !any_of(mask);
 }
 
-/// Properties of the words that `Running` needs. W is P, double or a pack of doubles, or `TwoWords<P>`.
+/// Properties of the words that `RunningError` needs. W is P, double or a pack of doubles, or `TwoWords<P>`.
 template <class W>
 struct WordProperties {
     using Word = W;
@@ -107,17 +108,17 @@ private:
 /// {finite, NaN}. No comparison with it is decided, because `ends` adds the second words, and every result computed
 /// from it has a first word that is NaN.
 template <class W>
-class Running {
+class RunningError {
 public:
     using P = typename WordProperties<W>::Word;
     using Lanes = mask_t<P>;
     static constexpr int longest_chain = 2047;
     static_assert(longest_chain * 0x1p-52 + (longest_chain * 0x1p-52) * (longest_chain * 0x1p-52) < 0x1p-41);
 
-    Running() = default;
-    explicit Running(std::same_as<int> auto x) : w_(x), e_(0) {}
-    explicit Running(const W& w) : w_(w), e_(0) {}
-    Running(const W& w, const P& e) : w_(w), e_(e) {}
+    RunningError() = default;
+    explicit RunningError(std::same_as<int> auto x) : w_(x), e_(0) {}
+    explicit RunningError(const W& w) : w_(w), e_(0) {}
+    RunningError(const W& w, const P& e) : w_(w), e_(e) {}
 
     [[nodiscard]] const W& words() const { return w_; }
     [[nodiscard]] const P& first() const { return WordProperties<W>::first(w_); }
@@ -126,26 +127,26 @@ public:
     /// Upper bound on the distance of x from the words.
     [[nodiscard]] P radius() const { return e_ * P(1 + 0x1p-40); }
 
-    friend Running operator+(const Running& a, const Running& b) {
+    friend RunningError operator+(const RunningError& a, const RunningError& b) {
         return with_rounding_error(Traits::sum(a.w_, b.w_), plus(a.e_, b.e_));
     }
-    friend Running operator-(const Running& a, const Running& b) { return a + -b; }
-    friend Running operator-(const Running& a) { return {Traits::negative(a.w_), a.e_}; }
-    friend Running operator*(const Running& a, const Running& b) {
+    friend RunningError operator-(const RunningError& a, const RunningError& b) { return a + -b; }
+    friend RunningError operator-(const RunningError& a) { return {Traits::negative(a.w_), a.e_}; }
+    friend RunningError operator*(const RunningError& a, const RunningError& b) {
         return with_rounding_error(Traits::product(a.w_, b.w_), plus(propagated_error_of(a, b), P(underflow_loss)));
     }
-    friend Running square(const Running& a) {
+    friend RunningError square(const RunningError& a) {
         return with_rounding_error(Traits::product(a.w_, a.w_), plus(propagated_error_of(a), P(underflow_loss)));
     }
-    friend Running difference_of_products(const Running& a, const Running& b, const Running& c, const Running& d) {
+    friend RunningError difference_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d) {
         const W x = Traits::product(a.w_, b.w_), y = Traits::negative(Traits::product(c.w_, d.w_));
         const W w = Traits::sum(x, y);
         const P magnitude_sum = magnitude_of(x) + magnitude_of(y) + magnitude_of(w);
         return {w, plus(plus(propagated_error_of(a, b), propagated_error_of(c, d)),
                         P(error) * magnitude_sum + P(underflow_loss))};
     }
-    friend Running sum_of_products(const Running& a, const Running& b, const Running& c, const Running& d,
-                                   const Running& f, const Running& g) {
+    friend RunningError sum_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d,
+                                   const RunningError& f, const RunningError& g) {
         const W x = Traits::product(a.w_, b.w_), y = Traits::product(c.w_, d.w_), z = Traits::product(f.w_, g.w_);
         const W s = Traits::sum(x, y), w = Traits::sum(s, z);
         const P magnitude_sum =
@@ -153,61 +154,61 @@ public:
         return {w, plus(plus(plus(propagated_error_of(a, b), propagated_error_of(c, d)), propagated_error_of(f, g)),
                         P(error) * magnitude_sum + P(underflow_loss))};
     }
-    friend Running sum_of_squares(const Running& a, const Running& b, const Running& c) {
+    friend RunningError sum_of_squares(const RunningError& a, const RunningError& b, const RunningError& c) {
         const W x = Traits::product(a.w_, a.w_), y = Traits::product(b.w_, b.w_), z = Traits::product(c.w_, c.w_);
         const W w = Traits::sum(Traits::sum(x, y), z);
         return {w, plus(plus(plus(propagated_error_of(a), propagated_error_of(b)), propagated_error_of(c)),
                         P(3 * error) * magnitude_of(w) + P(underflow_loss))};
     }
-    friend Running operator/(const Running& a, const Running& b) {
-        const Running q = with_rounding_error(a.w_ / b.w_, P(underflow_loss));
+    friend RunningError operator/(const RunningError& a, const RunningError& b) {
+        const RunningError q = with_rounding_error(a.w_ / b.w_, P(underflow_loss));
         const P min_divisor = b.magnitude() * P(1 - 0x1p-50) - b.radius();
         const P propagated_error =
             (a.e_ + (q.magnitude() + P(underflow_loss)) * b.e_ + P(underflow_loss)) / min_divisor;
         return {q.w_, select(min_divisor > P(0), q.e_ + propagated_error, P(HUGE_VAL))};
     }
-    Running& operator+=(const Running& b) { return *this = *this + b; }
-    Running& operator-=(const Running& b) { return *this = *this - b; }
-    Running& operator*=(const Running& b) { return *this = *this * b; }
+    RunningError& operator+=(const RunningError& b) { return *this = *this + b; }
+    RunningError& operator-=(const RunningError& b) { return *this = *this - b; }
+    RunningError& operator*=(const RunningError& b) { return *this = *this * b; }
 
-    friend TriMask<Lanes> operator<(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<(const RunningError& a, const RunningError& b) {
         const DifferenceRange d = enclose_difference(a, b);
         return {d.high < P(0), d.low >= P(0)};
     }
-    friend TriMask<Lanes> operator<=(const Running& a, const Running& b) {
+    friend TriMask<Lanes> operator<=(const RunningError& a, const RunningError& b) {
         const DifferenceRange d = enclose_difference(a, b);
         return {d.high <= P(0), d.low > P(0)};
     }
-    friend TriMask<Lanes> operator>(const Running& a, const Running& b) { return !(a <= b); }
-    friend TriMask<Lanes> operator>=(const Running& a, const Running& b) { return !(a < b); }
+    friend TriMask<Lanes> operator>(const RunningError& a, const RunningError& b) { return !(a <= b); }
+    friend TriMask<Lanes> operator>=(const RunningError& a, const RunningError& b) { return !(a < b); }
 
-    friend Running sqrt(const Running& a) {
+    friend RunningError sqrt(const RunningError& a) {
         using lostbits::sqrt;
-        const Running root = with_rounding_error(sqrt(a.w_), P(0));
+        const RunningError root = with_rounding_error(sqrt(a.w_), P(0));
         const P propagated_error = (a.e_ + P(underflow_loss)) / root.first();
         const auto is_positive = a.first() * P(1 - 0x1p-50) > a.radius();
         return {root.w_, select(is_positive, root.e_ + propagated_error, P(HUGE_VAL))};
     }
-    friend Running fma(const Running& a, const Running& b, const Running& c) { return a * b + c; }
+    friend RunningError fma(const RunningError& a, const RunningError& b, const RunningError& c) { return a * b + c; }
     /// Returns a: the type represents exact numbers, which have no neighbours.
-    friend Running next_up(const Running& a) { return a; }
-    friend Running next_down(const Running& a) { return a; }
-    friend Running abs(const Running& a) {
+    friend RunningError next_up(const RunningError& a) { return a; }
+    friend RunningError next_down(const RunningError& a) { return a; }
+    friend RunningError abs(const RunningError& a) {
         using lostbits::abs;
         return {abs(a.w_), a.e_};
     }
-    friend Running copysign(const Running& a, const Running& b) {
-        const Running x = abs(a), zero(0);
+    friend RunningError copysign(const RunningError& a, const RunningError& b) {
+        const RunningError x = abs(a), zero(0);
         return select(TriMask<Lanes>((b < zero).yes(), (b > zero).yes()), -x, x);  // the sign of a zero is not known
     }
-    friend Running select(const Lanes& mask, const Running& a, const Running& b) {
+    friend RunningError select(const Lanes& mask, const RunningError& a, const RunningError& b) {
         using lostbits::select;
         return {select(mask, a.w_, b.w_), select(mask, a.e_, b.e_)};
     }
     /// The result is unknown if the mask is undecided.
-    friend Running select(const TriMask<Lanes>& mask, const Running& a, const Running& b) {
+    friend RunningError select(const TriMask<Lanes>& mask, const RunningError& a, const RunningError& b) {
         using lostbits::select;
-        const Running x = select(mask.yes(), a, b);
+        const RunningError x = select(mask.yes(), a, b);
         return {x.w_, select(mask.yes() || mask.no(), x.e_, P(HUGE_VAL))};
     }
 
@@ -220,15 +221,15 @@ private:
         return abs(WordProperties<W>::first(w));
     }
     [[nodiscard]] P magnitude() const { return magnitude_of(w_); }
-    static Running with_rounding_error(const W& w, const P& propagated_error) {
+    static RunningError with_rounding_error(const W& w, const P& propagated_error) {
         return {w, plus(propagated_error, P(error) * magnitude_of(w))};
     }
 
     /// Contribution of the bounds of a and b to the bound of a b, or of the bound of a to that of a².
-    static P propagated_error_of(const Running& a, const Running& b) {
+    static P propagated_error_of(const RunningError& a, const RunningError& b) {
         return plus(times(a.magnitude(), b.e_), times(plus(b.magnitude(), b.e_), a.e_));
     }
-    static P propagated_error_of(const Running& a) { return times(a.magnitude() + a.magnitude() + a.e_, a.e_); }
+    static P propagated_error_of(const RunningError& a) { return times(a.magnitude() + a.magnitude() + a.e_, a.e_); }
 
     static P plus(const P& x, const P& y) { return is_known_zero(x) ? y : is_known_zero(y) ? x : x + y; }
     static P times(const P& x, const P& e) { return is_known_zero(e) ? P(0) : x * e; }
@@ -238,7 +239,7 @@ private:
     struct DifferenceRange {
         P low, high;
     };
-    static DifferenceRange enclose_difference(const Running& a, const Running& b) {
+    static DifferenceRange enclose_difference(const RunningError& a, const RunningError& b) {
         using lostbits::abs;
         const P h = a.first() - b.first(), l = a.second() - b.second(), d = plus(h, l);
         const P e = plus(plus(a.e_, b.e_) * P(1 + 0x1p-40), P(0x1p-51) * plus(abs(h), abs(l)));
@@ -249,6 +250,6 @@ private:
     P e_;
 };
 
-static_assert(Number<Running<double>> && Number<Running<TwoWords<double>>>);
+static_assert(Number<RunningError<double>> && Number<RunningError<TwoWords<double>>>);
 
 }  // namespace lostbits::number::wide
