@@ -144,13 +144,13 @@ void print(const Claim& claim, const ClaimResult& result, const CheckOptions& op
 }
 
 /// `; 5 draws: 1.2 to 1.4, median 1.3; their interval is [1.1, 1.5]`.
-std::string draws_text(const Claim& claim, const ClaimResult& r) {
-    if (r.further_measured.empty()) return "";
-    const auto s = r.spread();
-    const std::size_t draws = 1 + r.further_measured.size();
+std::string draws_text(const Claim& claim, const ClaimResult& result) {
+    if (result.further_measured.empty()) return "";
+    const auto s = result.spread();
+    const std::size_t draws = 1 + result.further_measured.size();
     if (static_cast<std::size_t>(s.draws) < draws)
         return fmt::format("; only {} of {} draws have a value, so they give no interval", s.draws, draws);
-    const auto interval = measure::check::expected_interval(claim, r);
+    const auto interval = measure::check::expected_interval(claim, result);
     return fmt::format("; {} draws: {} to {}, median {}; their interval is [{}, {}]", s.draws,
                        output::file::decimal(s.low), output::file::decimal(s.high), output::file::decimal(s.median),
                        output::file::decimal(interval.low), output::file::decimal(interval.high));

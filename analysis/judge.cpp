@@ -61,7 +61,7 @@ std::vector<const Metric*> make_metrics(const std::vector<const Metric*>& drawn_
 
 /// Prints a note on stderr if the decimals of a file do not fit its format.
 void note_digits(const std::string& file, const Format& format, const JudgeResult& result) {
-    const auto digits_for = [](const Format& f) { return scene::ray_file::NumberParser(f).digits(); };
+    const auto digits_for = [](const Format& stored) { return scene::ray_file::NumberParser(stored).digits(); };
     const Format narrow = *find_format("f32");
     const bool is_wide = format.parameters.precision > binary32.precision;
     // A program that prints the shortest decimal of each number may never need the largest number of digits. A file

@@ -55,7 +55,7 @@ using Cells = std::array<std::string_view, n>;
 /// Returns the right answer for a ray that starts inside a primitive, in one word.
 std::string inside_answer(intersect::Inside inside, Shape shape) {
     if (inside != intersect::Inside::usual)
-        return std::string(intersect::inside_names[inside]);
+        return std::string(intersect::inside_names[static_cast<std::size_t>(inside)]);
     if (!is_primitive(shape)) return "by primitive";
     if (is_flat(shape)) return "none";
     return inside_returns_zero(shape) ? "zero" : "exit";
@@ -72,7 +72,7 @@ Row make_form_row(const intersect::table::Intersector& form) {
                                   : info.at_origin == intersect::AtOrigin::miss ? "miss"
                                                                                 : "exit";
     const std::string facing =
-        is_flat(form.shape) ? std::string(intersect::facing_names[info.facing]) : "none";
+        is_flat(form.shape) ? std::string(intersect::facing_names[static_cast<std::size_t>(info.facing)]) : "none";
 
     return {std::string(info.name),
             std::string(info.title),
@@ -124,10 +124,11 @@ Listing ray_generators(const CommonOptions& /*common*/) {
 }
 
 Listing metric_table(const CommonOptions& /*common*/) {
-    Listing list = make_listing({"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
-                                [](const measure::metric::Metric& m) {
-                                    return Cells<5>{m.name, m.unit, m.layer, m.by_default ? "yes" : "no", m.meaning};
-                                });
+    Listing list = make_listing(
+        {"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
+        [](const measure::metric::Metric& metric) {
+            return Cells<5>{metric.name, metric.unit, metric.layer, metric.by_default ? "yes" : "no", metric.meaning};
+        });
     measure::metric::MetricSet metric_set;
     const auto add = [&](const char* name, const char* example, bool has_unit, const std::string& more_meaning) {
         const measure::metric::Metric& m = *metric_set.find(example);
@@ -254,9 +255,10 @@ Listing claims(const CommonOptions& common) {
     Listing list{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
     const auto root = scene::toml::folder_of_data(selection::data_folder(common.data), "claims");
     for (const auto& path : scene::check::claim_files(root)) {
-        for (const Claim& c : scene::check::read_claims(path)) {
-            list.rows.push_back({c.id, std::string(name_of(c.verdict)), std::string(scene::check::name_of(c.profile)),
-                                 c.subject_name(), c.tested_name(), c.format, c.statement});
+        for (const Claim& claim : scene::check::read_claims(path)) {
+            list.rows.push_back({claim.id, std::string(name_of(claim.verdict)),
+                                 std::string(scene::check::name_of(claim.profile)), claim.subject_name(),
+                                 claim.tested_name(), claim.format, claim.statement});
         }
     }
     return list;

@@ -286,7 +286,8 @@ std::vector<Scene> load_testable_scenes(const MapOptions& options, std::vector<T
     auto scenes = selection::load_scenes(options.scenes, selection::data_folder(common.data));
     const auto handling_forms = selection::drop_unhandled(
         scenes, {tested_forms, options.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return s.accepts(forms); }, [](const Scene& s) { return s.id; });
+        [](const Scene& scene, Shapes forms) { return scene.accepts(forms); },
+        [](const Scene& scene) { return scene.id; });
     selection::note_unmeasured(options.forms, handling_forms, common.quiet);
     return scenes;
 }

@@ -69,9 +69,10 @@ bool print_trial(const ForeignForm& form, const std::optional<ForeignForm>& firs
                warned == 0 ? "" : "; " + text::count_with_noun(static_cast<std::size_t>(warned), "warning"));
     if (!contract.title.empty() && !quiet) fmt::print("  {}\n", contract.title);
     if (!contract.source.empty() && !quiet) fmt::print("  from {}\n", contract.source);
-    for (const Observation& f : findings) {
-        if (!quiet || f.verdict == Observation::Verdict::broken || f.verdict == Observation::Verdict::warned)
-            fmt::print("  {:<6} {:<12} {}\n", verdict_text(f.verdict), f.subject, f.text);
+    for (const Observation& observation : findings) {
+        if (!quiet || observation.verdict == Observation::Verdict::broken ||
+            observation.verdict == Observation::Verdict::warned)
+            fmt::print("  {:<6} {:<12} {}\n", verdict_text(observation.verdict), observation.subject, observation.text);
     }
     std::fflush(stdout);  // before the next form, which may crash
     return broken == 0;

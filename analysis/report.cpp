@@ -114,27 +114,29 @@ std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     return claims;
 }
 
-bool is_about_scene(const Claim& c, const std::string& id) {
-    return c.subject_if<SceneSubject>() && c.subject_name() == id;
+bool is_about_scene(const Claim& claim, const std::string& id) {
+    return claim.subject_if<SceneSubject>() && claim.subject_name() == id;
 }
-bool is_about_sweep(const Claim& c, const std::string& id) {
-    return c.subject_if<SweepSubject>() && std::filesystem::path(c.subject_name()).stem() == id;
+bool is_about_sweep(const Claim& claim, const std::string& id) {
+    return claim.subject_if<SweepSubject>() && std::filesystem::path(claim.subject_name()).stem() == id;
 }
 
-bool has_tested_form(const std::vector<TestedForm>& tested_forms, const Claim& c) {
-    const auto row = measure::check::tested_form_of(c);
-    return std::ranges::any_of(tested_forms,
-                               [&row](const TestedForm& r) { return r.form == row.form && r.format == row.format; });
+bool has_tested_form(const std::vector<TestedForm>& tested_forms, const Claim& claim) {
+    const auto row = measure::check::tested_form_of(claim);
+    return std::ranges::any_of(tested_forms, [&row](const TestedForm& tested_form) {
+        return tested_form.form == row.form && tested_form.format == row.format;
+    });
 }
 
 /// Returns the selected forms and, if `includes_claims`, those of the claims about the subject. External forms come
 /// first, then the others in the order of the catalogue.
 std::vector<TestedForm> tested_forms_for(const std::string& subject, std::vector<TestedForm> tested_forms,
                                          const std::vector<Claim>& claims, bool includes_claims) {
-    for (const Claim& c : claims) {
-        if (!includes_claims || !(is_about_scene(c, subject) || is_about_sweep(c, subject))) continue;
-        if (!has_tested_form(tested_forms, c))
-            tested_forms.push_back({measure::check::tested_form_of(c).form, measure::check::tested_form_of(c).format});
+    for (const Claim& claim : claims) {
+        if (!includes_claims || !(is_about_scene(claim, subject) || is_about_sweep(claim, subject))) continue;
+        if (!has_tested_form(tested_forms, claim))
+            tested_forms.push_back(
+                {measure::check::tested_form_of(claim).form, measure::check::tested_form_of(claim).format});
     }
     const auto sort_key = [](const TestedForm& tested_form) {
         if (tested_form.form->is_set()) return std::pair{true, PTRDIFF_MAX};
@@ -185,15 +187,15 @@ struct PlannedReport {
 
 /// True if the page shows a claim. With --claims, these are the claims that it names. Without it they are all claims
 /// or, if subjects are named, the claims about a subject and a form that the page shows.
-bool is_chosen(const Claim& c, const ReportOptions& options, const PlannedReport& planned) {
-    if (!options.claims.empty()) return selection::matches_any(options.claims, c.id);
+bool is_chosen(const Claim& claim, const ReportOptions& options, const PlannedReport& planned) {
+    if (!options.claims.empty()) return selection::matches_any(options.claims, claim.id);
     if (options.subjects.empty()) return true;
     return std::ranges::any_of(planned.maps,
                                [&](const PlannedMap& m) {
-                                   return is_about_scene(c, m.scene.id) && has_tested_form(m.tested_forms, c);
+                                   return is_about_scene(claim, m.scene.id) && has_tested_form(m.tested_forms, claim);
                                }) ||
            std::ranges::any_of(planned.sweeps, [&](const PlannedSweep& s) {
-               return is_about_sweep(c, s.path.stem()) && has_tested_form(s.tested_forms, c);
+               return is_about_sweep(claim, s.path.stem()) && has_tested_form(s.tested_forms, claim);
            });
 }
 
@@ -206,7 +208,8 @@ std::vector<TestedForm> select_timeable_forms(const ReportOptions& options) {
 /// Throws InputError if a pattern of --claims names no claim.
 void require_known_claims(const std::vector<std::string>& patterns, const std::vector<Claim>& claims) {
     for (const std::string& glob : patterns) {
-        if (std::ranges::none_of(claims, [&glob](const Claim& c) { return selection::matches_any({glob}, c.id); }))
+        if (std::ranges::none_of(claims,
+                                 [&glob](const Claim& claim) { return selection::matches_any({glob}, claim.id); }))
             throw InputError(
                 "--claims " + glob +
                 ": no claim of the profile `results` has this id; `lostbits list claims` lists all claims");
@@ -336,8 +339,8 @@ PlannedReport plan_report(const ReportOptions& options, const std::filesystem::p
     for (const scene::file::SceneName& name : subjects.scenes) plan_maps(planned, name, forms, extra_metrics, data);
     for (const auto& path : subjects.sweeps) plan_sweep(planned, path, data, forms);
     plan_requested_sections(planned, options, defaults, data);
-    for (const Claim& c : claims) {
-        if (is_chosen(c, options, planned)) planned.claims.push_back(c);
+    for (const Claim& claim : claims) {
+        if (is_chosen(claim, options, planned)) planned.claims.push_back(claim);
     }
     require_valid_subjects(planned);
     return planned;
@@ -431,8 +434,8 @@ ExitStatus run(const ReportOptions& options, const CommonOptions& common) {
     complete_folder(folder);
     if (!common.quiet) fmt::print("{}\n", file.path().string());
     if (const ExitStatus exit_code = report_unproved(unresolved); exit_code != ExitStatus::done) return exit_code;
-    const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& r) {
-        return r.state == ClaimResult::State::agrees || r.state == ClaimResult::State::skipped;
+    const bool all_agree = std::ranges::all_of(report.results, [](const ClaimResult& result) {
+        return result.state == ClaimResult::State::agrees || result.state == ClaimResult::State::skipped;
     });
     return all_agree ? ExitStatus::done : ExitStatus::answer_is_no;
 }

@@ -88,8 +88,8 @@ std::vector<scene::file::Scene> load_primitive_scenes(const selection::SharedOpt
     for (const Scene& scene : scenes) require_scene(scene);
     const auto handling_forms = selection::drop_unhandled(
         scenes, {tested_forms, shared.forms, common.quiet},
-        [](const Scene& s, Shapes forms) { return selection::are_primitives(forms) && s.accepts(forms); },
-        [](const Scene& s) { return s.id; });
+        [](const Scene& scene, Shapes forms) { return selection::are_primitives(forms) && scene.accepts(forms); },
+        [](const Scene& scene) { return scene.id; });
     selection::note_unmeasured(shared.forms, handling_forms, common.quiet);
     return scenes;
 }

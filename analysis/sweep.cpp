@@ -144,7 +144,7 @@ void require_search_metric(const std::filesystem::path& path, const std::string&
     const measure::metric::Metric* const metric = metric_set.find(name);
     if (metric == nullptr) {
         std::vector<std::string> names;
-        for (const measure::metric::Metric& m : measure::metric::metrics()) names.emplace_back(m.name);
+        for (const measure::metric::Metric& known : measure::metric::metrics()) names.emplace_back(known.name);
         throw InputError(path.string() + ":1:1: search.metric is \"" + name + "\", which is not a metric; " +
                          text::did_you_mean(name, names));
     }

@@ -62,8 +62,8 @@ void ResultTable::seal() {
 
 std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics) {
     std::vector<Column> columns = output::map::pixel_table(metrics).columns();
-    std::erase_if(columns, [](const Column& c) {
-        return c.name == "x" || c.name == "y" || c.name == "t_hex" || c.name == "truth_hex";
+    std::erase_if(columns, [](const Column& column) {
+        return column.name == "x" || column.name == "y" || column.name == "t_hex" || column.name == "truth_hex";
     });
     return columns;
 }

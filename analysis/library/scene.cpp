@@ -214,7 +214,8 @@ int lostbits_scene_primitives(lostbits_scene* scene, const char* shape, const do
         const Shape parsed_shape = parse_shape(shape);
         if (count == 0) throw InputError("the list of primitives is empty; give at least one");
         require(numbers, "numbers");
-        const std::span<const double> all_numbers = to_span(numbers, count, "numbers", row_of(parsed_shape).number_count);
+        const std::span<const double> all_numbers =
+            to_span(numbers, count, "numbers", row_of(parsed_shape).number_count);
         std::vector<Primitive<Real>> primitives;
         for (std::size_t i = 0; i < count; ++i)
             primitives.push_back(make_primitive(parsed_shape, &all_numbers[i * row_of(parsed_shape).number_count],

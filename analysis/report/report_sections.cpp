@@ -94,7 +94,7 @@ std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSwee
             charts.push_back(
                 {output::sweep::outcome_title(outcome) + ": " + subject,
                  svg_text(outcome_plot(sweep, format, outcome, size)),
-                 fmt::format("{}_fraction.{}", measure::answer::outcome_names[outcome],
+                 fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                              format.name)});
         }
     }
@@ -263,7 +263,7 @@ output::report::TradeSection measure_trade_section(Shape shape, const std::vecto
     request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = stop;
     const measure::trade::TradeResult result = measure::trade::run_trade(request);
-    output::report::TradeSection section{std::string(shape_names[shape]),
+    output::report::TradeSection section{std::string(shape_names[static_cast<std::size_t>(shape)]),
                                          output::report::trade_json(request, result),
                                          output::trade::trade_text(request, result),
                                          {}};

@@ -26,9 +26,9 @@ struct NumberOption {
 /// The values of `--sphere`, `--box` and so on, one option per shape.
 class PrimitiveOptions {
 public:
-    [[nodiscard]] std::vector<std::string>& values_of(Shape shape) { return texts_[shape]; }
+    [[nodiscard]] std::vector<std::string>& values_of(Shape shape) { return texts_[static_cast<std::size_t>(shape)]; }
     [[nodiscard]] const std::vector<std::string>& values_of(Shape shape) const {
-        return texts_[shape];
+        return texts_[static_cast<std::size_t>(shape)];
     }
     /// Declares the options. The help shows them below a heading, which also says how their values are written.
     void add_to(const shell::Command& command, const std::string& heading);

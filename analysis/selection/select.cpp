@@ -265,8 +265,8 @@ void compare_against(std::vector<TestedForm>& tested_forms, const std::string& n
 }
 
 void add_comparison_metrics(std::vector<const Metric*>& metrics) {
-    for (const Metric& m : measure::metric::metrics())
-        if (compares_forms(&m)) append_if_missing(metrics, &m);
+    for (const Metric& metric : measure::metric::metrics())
+        if (compares_forms(&metric)) append_if_missing(metrics, &metric);
 }
 
 void note_forms_without_formula(const std::vector<const Metric*>& metrics, const std::vector<TestedForm>& tested_forms,
@@ -295,11 +295,11 @@ std::vector<const Metric*> with_default_metrics(const std::vector<const Metric*>
                                                 const std::vector<TestedForm>& tested_forms) {
     const bool marches = marches_any(tested_forms);
     std::vector<const Metric*> all;
-    for (const Metric& m : measure::metric::metrics()) {
-        const bool is_given = std::ranges::find(given, &m) != given.end();
-        if (compares_forms(&m) && !compares_any(tested_forms)) continue;
-        if ((m.by_default || is_given) && (marches || m.domain != measure::metric::MetricDomain::marches))
-            all.push_back(&m);
+    for (const Metric& metric : measure::metric::metrics()) {
+        const bool is_given = std::ranges::find(given, &metric) != given.end();
+        if (compares_forms(&metric) && !compares_any(tested_forms)) continue;
+        if ((metric.by_default || is_given) && (marches || metric.domain != measure::metric::MetricDomain::marches))
+            all.push_back(&metric);
     }
     std::ranges::copy_if(given, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });
     return all;

@@ -35,9 +35,9 @@ struct OverallWorst {
 
     explicit OverallWorst(const std::vector<FormSummary>& summaries) {
         FormSummary all;
-        for (const FormSummary& s : summaries) {
-            rays += s.rays;
-            for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += s.outcomes[o];
+        for (const FormSummary& summary : summaries) {
+            rays += summary.rays;
+            for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += summary.outcomes[o];
         }
         has_hit = all.count(Outcome::agree_hit) > 0;
         const auto wrong = all.most_frequent_wrong_decision();

@@ -240,11 +240,11 @@ struct NumberAdapter {
     }
 
 private:
-    static std::string in_words(const NumberSummary& s) {
-        if (s.numbers.count() == 0) return "no number";
-        return fmt::format("p50 {}, p99 {}, max {}", output::file::short_decimal(s.numbers.quantile(0.5), 3),
-                           output::file::short_decimal(s.numbers.quantile(0.99), 3),
-                           output::file::short_decimal(s.numbers.quantile(1), 3));
+    static std::string in_words(const NumberSummary& summary) {
+        if (summary.numbers.count() == 0) return "no number";
+        return fmt::format("p50 {}, p99 {}, max {}", output::file::short_decimal(summary.numbers.quantile(0.5), 3),
+                           output::file::short_decimal(summary.numbers.quantile(0.99), 3),
+                           output::file::short_decimal(summary.numbers.quantile(1), 3));
     }
     static std::vector<const intersect::table::Intersector*> forms_of(const Study& study) {
         std::vector<const intersect::table::Intersector*> forms;

@@ -171,7 +171,7 @@ std::optional<StudySection> measure_offset_section(const scene::file::Scene& sce
             section.table = output::report::offset_table(study, summaries);
             auto table = OffsetsAdapter::Presentation::summary_table();
             for (const auto& row : OffsetsAdapter::Presentation::summary_rows(study, summaries))
-                section.wrong_fractions[row.side].push_back(
+                section.wrong_fractions[static_cast<std::size_t>(row.side)].push_back(
                     table.find("bad_fraction")->value(row).number());
         });
 }

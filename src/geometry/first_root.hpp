@@ -18,8 +18,8 @@ struct FirstRoot {
 };
 template <class W>
 FirstRoot<number::wide::RunningError<W>> first_root(const Polynomial<number::wide::RunningError<W>>& f,
-                                               const number::wide::RunningError<W>& begin,
-                                               const number::wide::RunningError<W>& bound) {
+                                                    const number::wide::RunningError<W>& begin,
+                                                    const number::wide::RunningError<W>& bound) {
     using E = number::wide::RunningError<W>;
     using P = typename E::P;
     using lostbits::abs;

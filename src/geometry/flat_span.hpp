@@ -38,9 +38,9 @@ struct FlatSpan {
 
 /// Returns the crossing as entry and exit. Returns nothing if the line is not known to cross.
 template <Number T>
-std::optional<Ends<T>> ends_of(const FlatSpan<T>& s) {
-    if (!is_certain(s.closed)) return std::nullopt;
-    const T t = s.at.n / s.at.m;
+std::optional<Ends<T>> ends_of(const FlatSpan<T>& span) {
+    if (!is_certain(span.closed)) return std::nullopt;
+    const T t = span.at.n / span.at.m;
     return Ends<T>{t, t};
 }
 

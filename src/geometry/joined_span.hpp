@@ -39,8 +39,8 @@ QuadraticSpan<T> select(const mask_t<T>& mask, const QuadraticSpan<T>& a, const 
 
 /// Entry and exit of a line.
 template <Number T>
-std::optional<Ends<T>> ends_of(const JoinedSpan<T>& s) {
-    return Ends<T>{ends_of(s.enter)->near, ends_of(s.leave)->far};
+std::optional<Ends<T>> ends_of(const JoinedSpan<T>& span) {
+    return Ends<T>{ends_of(span.enter)->near, ends_of(span.leave)->far};
 }
 
 }  // namespace lostbits

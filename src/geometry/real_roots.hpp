@@ -121,8 +121,7 @@ ApproximateRoots<E> approximate_in_double(const Polynomial<E>& f, const E& bound
     }
     const ApproximateRoots<double> approximations = approximate_roots(in_double, 1.0);
     ApproximateRoots<E> roots;
-    for (int i = 0; i < approximations.count; ++i)
-        roots.add(middle(E(approximations.x[i]) * bound));
+    for (int i = 0; i < approximations.count; ++i) roots.add(middle(E(approximations.x[i]) * bound));
     return roots;
 }
 

@@ -109,18 +109,18 @@ struct QuadraticAt {
     }
 };
 template <class T>
-QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const T& t) {
-    const T half_slope = s.a * t + s.h;
-    return {(half_slope + s.h) * t + s.c, half_slope};
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& span, const T& t) {
+    const T half_slope = span.a * t + span.h;
+    return {(half_slope + span.h) * t + span.c, half_slope};
 }
 template <class T>
-QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, ZeroParameter) {
-    return {s.c, s.h};
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& span, ZeroParameter) {
+    return {span.c, span.h};
 }
 template <class T>
-QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& s, const Fraction<T>& t) {
-    const T h = s.h * t.m, half_slope = s.a * t.n + h;
-    return {(half_slope + h) * t.n + s.c * square(t.m), half_slope};
+QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& span, const Fraction<T>& t) {
+    const T h = span.h * t.m, half_slope = span.a * t.n + h;
+    return {(half_slope + h) * t.n + span.c * square(t.m), half_slope};
 }
 
 /// `closed`: true if some t of a range lies in the closed primitive; `open`: true if some t lies in the open primitive.
@@ -137,16 +137,16 @@ struct SlabHit {
 /// Decides for the range of all t ≥ 0. a ≤ b holds if and only if every entry is ≤ every exit, so a and b are not
 /// computed.
 template <class T>
-SlabHit<T> slab_hit(const SlabSpan<T>& s) {
+SlabHit<T> slab_hit(const SlabSpan<T>& span) {
     const T zero(0);
-    SlabHit<T> result{s.closed, s.open};
+    SlabHit<T> result{span.closed, span.open};
     for_each_axis([&](auto i) {
-        result.closed = result.closed && zero <= s.exit[i].n;
-        result.open = result.open && zero < s.exit[i].n;
+        result.closed = result.closed && zero <= span.exit[i].n;
+        result.open = result.open && zero < span.exit[i].n;
         for_each_axis([&](auto j) {
             if constexpr (i != j) {
-                const auto order = order_of(s.entry[i], s.exit[j]);
-                const auto are_parallel = !(s.crossed[i] || s.crossed[j]);
+                const auto order = order_of(span.entry[i], span.exit[j]);
+                const auto are_parallel = !(span.crossed[i] || span.crossed[j]);
                 result.closed = result.closed && (are_parallel || order.at_most);
                 result.open = result.open && (are_parallel || order.less);
             }
@@ -158,12 +158,12 @@ SlabHit<T> slab_hit(const SlabSpan<T>& s) {
 
 /// Decides for a range. In the same way, compares `tmin` with every exit and every entry with `tmax`.
 template <class T>
-SlabHit<T> slab_hit(const SlabSpan<T>& s, const SpanRange<T>& range) {
-    SlabHit<T> result = slab_hit(s);
+SlabHit<T> slab_hit(const SlabSpan<T>& span, const SpanRange<T>& range) {
+    SlabHit<T> result = slab_hit(span);
     for_each_axis([&](auto i) {
-        const auto begin_to_exit = order_of(Fraction<T>{range.begin, T(1)}, s.exit[i]),
-                   entry_to_end = order_of(s.entry[i], range.end);
-        const auto is_parallel = !s.crossed[i];
+        const auto begin_to_exit = order_of(Fraction<T>{range.begin, T(1)}, span.exit[i]),
+                   entry_to_end = order_of(span.entry[i], range.end);
+        const auto is_parallel = !span.crossed[i];
         result.closed =
             result.closed && (is_parallel || ((range.open_ends.tmin ? begin_to_exit.less : begin_to_exit.at_most) &&
                                               is_before_range_end(entry_to_end, range)));
@@ -175,39 +175,39 @@ SlabHit<T> slab_hit(const SlabSpan<T>& s, const SpanRange<T>& range) {
 
 /// Largest entry, or 0/1 if no entry is positive. Of equal entries, returns the first.
 template <class T>
-Fraction<T> largest_entry(const SlabSpan<T>& s) {
+Fraction<T> largest_entry(const SlabSpan<T>& span) {
     const T zero(0);
     const auto is_positive = [&](const Fraction<T>& entry) { return entry.n > zero; };
-    Fraction<T> largest = select(is_positive(s.entry[0]), s.entry[0], Fraction<T>{zero, T(1)});
+    Fraction<T> largest = select(is_positive(span.entry[0]), span.entry[0], Fraction<T>{zero, T(1)});
     const auto take_larger = [&](const Fraction<T>& entry) {
         largest = select(is_positive(entry) && order_of(largest, entry).less, entry, largest);
     };
-    take_larger(s.entry[1]);
-    take_larger(s.entry[2]);
+    take_larger(span.entry[1]);
+    take_larger(span.entry[2]);
     return largest;
 }
 
 /// Largest entry, or the beginning of the range if no entry is later. Of equal entries, returns the first.
 template <class T>
-Fraction<T> largest_entry(const SlabSpan<T>& s, const SpanRange<T>& range) {
+Fraction<T> largest_entry(const SlabSpan<T>& span, const SpanRange<T>& range) {
     Fraction<T> largest{range.begin, T(1)};
-    for_each_axis([&](auto i) { largest = select(order_of(largest, s.entry[i]).less, s.entry[i], largest); });
+    for_each_axis([&](auto i) { largest = select(order_of(largest, span.entry[i]).less, span.entry[i], largest); });
     return largest;
 }
 
 /// True if every entry comes before the beginning of the range (`less`), or no later (`at_most`).
 template <class T>
-Order<mask_t<T>> compare_entries_with_begin(const SlabSpan<T>& s, const SpanRange<T>& range) {
+Order<mask_t<T>> compare_entries_with_begin(const SlabSpan<T>& span, const SpanRange<T>& range) {
     const auto to_begin = [&](const Fraction<T>& entry) { return order_of(entry, Fraction<T>{range.begin, T(1)}); };
-    const auto x = to_begin(s.entry[0]), y = to_begin(s.entry[1]), z = to_begin(s.entry[2]);
+    const auto x = to_begin(span.entry[0]), y = to_begin(span.entry[1]), z = to_begin(span.entry[2]);
     return {x.less && y.less && z.less, x.at_most && y.at_most && z.at_most};
 }
 
 /// Smallest exit. Of equal exits, returns the first.
 template <Number T>
-Fraction<T> smallest_exit(const SlabSpan<T>& s) {
-    Fraction<T> smallest = s.exit[0];
-    for (const Fraction<T>& exit : s.exit) smallest = select(order_of(exit, smallest).less, exit, smallest);
+Fraction<T> smallest_exit(const SlabSpan<T>& span) {
+    Fraction<T> smallest = span.exit[0];
+    for (const Fraction<T>& exit : span.exit) smallest = select(order_of(exit, smallest).less, exit, smallest);
     return smallest;
 }
 
@@ -225,20 +225,20 @@ struct Ends {
 };
 
 template <Number T>
-std::optional<Ends<T>> ends_of(const QuadraticSpan<T>& s) {
-    const T root = sqrt(s.q);
-    return Ends<T>{(-s.h - root) / s.a, (root - s.h) / s.a};
+std::optional<Ends<T>> ends_of(const QuadraticSpan<T>& span) {
+    const T root = sqrt(span.q);
+    return Ends<T>{(-span.h - root) / span.a, (root - span.h) / span.a};
 }
 
 /// Largest entry and smallest exit. If it is not known which of two enclosures is the larger, they are joined. Returns
 /// nothing if the line is parallel to all slabs, or may lie outside a slab that it is parallel to.
 template <Number T>
-std::optional<Ends<T>> ends_of(const SlabSpan<T>& s) {
+std::optional<Ends<T>> ends_of(const SlabSpan<T>& span) {
     std::optional<Ends<T>> ends;
-    if (!is_certain(s.closed)) return ends;
-    for (std::size_t i = 0; i < s.entry.size(); ++i) {
-        if (is_certain(!s.crossed[i])) continue;
-        const T entry_t = s.entry[i].n / s.entry[i].m, exit_t = s.exit[i].n / s.exit[i].m;
+    if (!is_certain(span.closed)) return ends;
+    for (std::size_t i = 0; i < span.entry.size(); ++i) {
+        if (is_certain(!span.crossed[i])) continue;
+        const T entry_t = span.entry[i].n / span.entry[i].m, exit_t = span.exit[i].n / span.exit[i].m;
         ends = ends ? Ends<T>{max(ends->near, entry_t), min(ends->far, exit_t)} : Ends<T>{entry_t, exit_t};
     }
     return ends;

@@ -39,13 +39,13 @@ struct WallSpan {
 
 /// First and last t at which the line crosses the surface. Returns nothing if these are not known.
 template <Number T>
-std::optional<Ends<T>> ends_of(const WallSpan<T>& s) {
-    const auto near_crossing = s.crossing(0).closed, far_crossing = s.crossing(1).closed;
+std::optional<Ends<T>> ends_of(const WallSpan<T>& span) {
+    const auto near_crossing = span.crossing(0).closed, far_crossing = span.crossing(1).closed;
     const bool is_near_hit = is_certain(near_crossing), is_far_hit = is_certain(far_crossing);
     if ((!is_near_hit && !is_certain(!near_crossing)) || (!is_far_hit && !is_certain(!far_crossing)) ||
         !(is_near_hit || is_far_hit))
         return std::nullopt;
-    const Ends<T> roots = *ends_of(s.primitive.side);
+    const Ends<T> roots = *ends_of(span.primitive.side);
     return Ends<T>{is_near_hit ? roots.near : roots.far, is_far_hit ? roots.far : roots.near};
 }
 

@@ -73,7 +73,7 @@ struct Convention {
 
     /// The convention for primitives of one shape.
     [[nodiscard]] constexpr Convention for_shape(Shape shape) const {
-        return by_shape ? by_shape[shape] : *this;
+        return by_shape ? by_shape[static_cast<std::size_t>(shape)] : *this;
     }
 
     /// True if this convention differs from that of the closed primitive in more than `touching` and an ignored origin,

@@ -28,16 +28,16 @@ inline constexpr std::array<std::string_view, 5> march_number_names{"hit_eps", "
 
 /// Converts each number by `lift`, in order. The counts are the same in any arithmetic.
 template <class S, class Lift>
-auto convert_numbers(const MarchConstants<S>& c, Lift lift) {
+auto convert_numbers(const MarchConstants<S>& constants, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    return MarchConstants<T>{.hit_eps = lift(c.hit_eps),
-                             .max_dist = lift(c.max_dist),
-                             .relative_eps = lift(c.relative_eps),
-                             .cone = lift(c.cone),
-                             .over_relaxation = lift(c.over_relaxation),
-                             .max_steps = c.max_steps,
-                             .secant_steps = c.secant_steps,
-                             .bisect_steps = c.bisect_steps};
+    return MarchConstants<T>{.hit_eps = lift(constants.hit_eps),
+                             .max_dist = lift(constants.max_dist),
+                             .relative_eps = lift(constants.relative_eps),
+                             .cone = lift(constants.cone),
+                             .over_relaxation = lift(constants.over_relaxation),
+                             .max_steps = constants.max_steps,
+                             .secant_steps = constants.secant_steps,
+                             .bisect_steps = constants.bisect_steps};
 }
 
 /// Why a march ended. If two reasons hold, the first in this list counts.

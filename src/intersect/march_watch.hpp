@@ -35,9 +35,9 @@ public:
     void on_step(bool active, const T& t, const Vec<T>& p) { on_step(active, t, !is_same(p, sample_point_)); }
 
     [[nodiscard]] bool is_stagnant() const { return is_stagnant_; }
-    [[nodiscard]] StopReason stop(const Hit<T>& hit, const MarchConstants<T>& c) const {
+    [[nodiscard]] StopReason stop(const Hit<T>& hit, const MarchConstants<T>& constants) const {
         if (hit.hit) return StopReason::hit;
-        if (next_t_ > c.max_dist) return StopReason::max_dist;
+        if (next_t_ > constants.max_dist) return StopReason::max_dist;
         return is_stagnant_ ? StopReason::stagnated : StopReason::max_steps;
     }
 
@@ -62,8 +62,8 @@ public:
 
     /// `to_double(T)` converts to a number that a double holds.
     template <class ToDouble>
-    [[nodiscard]] MarchRecord record(const Hit<T>& hit, const MarchConstants<T>& c, ToDouble to_double) const {
-        return {count_, this->stop(hit, c), static_cast<double>(to_double(least_)),
+    [[nodiscard]] MarchRecord record(const Hit<T>& hit, const MarchConstants<T>& constants, ToDouble to_double) const {
+        return {count_, this->stop(hit, constants), static_cast<double>(to_double(least_)),
                 static_cast<double>(to_double(deepest_))};
     }
 

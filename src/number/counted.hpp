@@ -20,8 +20,8 @@ inline constexpr std::array<std::string_view, 10> operation_names{"add",     "mu
 
 struct OperationCounts {
     std::array<std::uint64_t, operation_names.size()> counts{};
-    [[nodiscard]] std::uint64_t operator[](Operation o) const { return counts[o]; }
-    std::uint64_t& operator[](Operation o) { return counts[o]; }
+    [[nodiscard]] std::uint64_t operator[](Operation o) const { return counts[static_cast<std::size_t>(o)]; }
+    std::uint64_t& operator[](Operation o) { return counts[static_cast<std::size_t>(o)]; }
     friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
 

@@ -24,8 +24,8 @@ inline constexpr FloatFormat binary64{53, -1022, 1023};
 
 /// Exponent of the unit in the last place of a format at x, which is 2^(max(⌊log2|x|⌋, emin) − p + 1). `floor_log2_x`
 /// is ⌊log2|x|⌋, or any very negative number for x = 0.
-constexpr long ulp_exponent(const FloatFormat& f, long floor_log2_x) {
-    return (floor_log2_x > f.emin ? floor_log2_x : f.emin) - f.precision + 1;
+constexpr long ulp_exponent(const FloatFormat& format, long floor_log2_x) {
+    return (floor_log2_x > format.emin ? floor_log2_x : format.emin) - format.precision + 1;
 }
 
 /// A format and how a form is evaluated in it: natively, or through `Rounded` in a format of any width.

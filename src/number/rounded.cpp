@@ -45,7 +45,7 @@ public:
     RoundToOdd& operator=(const RoundToOdd&) = delete;
     mpfr_ptr get() { return x_; }
 
-    double to_format(int inexact, const FloatFormat& f) {
+    double to_format(int inexact, const FloatFormat& format) {
         if (!mpfr_regular_p(x_)) return mpfr_get_d(x_, MPFR_RNDN);
         if (inexact != 0) {
             // The result is truncated to 64 bits. Its last bit is clear if it fits in 63 bits.
@@ -54,13 +54,13 @@ public:
                 else mpfr_nextbelow(x_);
             }
         }
-        const long q = ulp_exponent(f, static_cast<long>(mpfr_get_exp(x_)) - 1);
+        const long q = ulp_exponent(format, static_cast<long>(mpfr_get_exp(x_)) - 1);
         mpfr_div_2si(x_, x_, q, MPFR_RNDN);
         const bool is_negative = mpfr_signbit(x_) != 0;
         mpfr_roundeven(x_, x_);
         mpfr_mul_2si(x_, x_, q, MPFR_RNDN);
         if (mpfr_zero_p(x_)) return is_negative ? -0.0 : 0.0;
-        if (mpfr_get_exp(x_) - 1 > f.emax) return is_negative ? -infinity : infinity;
+        if (mpfr_get_exp(x_) - 1 > format.emax) return is_negative ? -infinity : infinity;
         return mpfr_get_d(x_, MPFR_RNDN);
     }
 
@@ -86,7 +86,7 @@ private:
 
 }  // namespace
 
-double to_format(double r, int residual, const FloatFormat& f) {
+double to_format(double r, int residual, const FloatFormat& format) {
     if (r == 0 || !std::isfinite(r)) return r;
     const std::uint64_t bits = std::bit_cast<std::uint64_t>(r);
     const int biased_exponent = static_cast<int>(bits >> 52 & 0x7ff);
@@ -95,7 +95,7 @@ double to_format(double r, int residual, const FloatFormat& f) {
     const int last_exponent = std::max(biased_exponent, 1) - 1075;  // r = ± significand · 2^last_exponent
 
     const int exponent = last_exponent + 63 - std::countl_zero(significand);
-    const int dropped_count = static_cast<int>(ulp_exponent(f, exponent)) - last_exponent;
+    const int dropped_count = static_cast<int>(ulp_exponent(format, exponent)) - last_exponent;
     double magnitude = std::fabs(r);
     if (dropped_count > 0) {
         if (dropped_count > 54) return std::copysign(0.0, r);  // below a quarter of the smallest subnormal
@@ -112,87 +112,87 @@ double to_format(double r, int residual, const FloatFormat& f) {
         magnitude = scaled(rounded_significand, last_exponent + dropped_count);
     }
 
-    if (magnitude >= power_of_two(f.emax) * 2) magnitude = infinity;
+    if (magnitude >= power_of_two(format.emax) * 2) magnitude = infinity;
     return std::copysign(magnitude, r);
 }
 
-double add(double a, double b, const FloatFormat& f) {
+double add(double a, double b, const FloatFormat& format) {
     const auto [s, error] = two_sum(a, b);
     if (!std::isfinite(s)) return s;
-    if (std::fabs(s) > error_free_high) return add_reference(a, b, f);
-    return to_format(s, sign_of(error), f);
+    if (std::fabs(s) > error_free_high) return add_reference(a, b, format);
+    return to_format(s, sign_of(error), format);
 }
 
-double mul(double a, double b, const FloatFormat& f) {
+double mul(double a, double b, const FloatFormat& format) {
     const auto [p, error] = two_product(a, b);
-    if (!residuals_are_exact(p)) return mul_reference(a, b, f);
-    return to_format(p, sign_of(error), f);
+    if (!residuals_are_exact(p)) return mul_reference(a, b, format);
+    return to_format(p, sign_of(error), format);
 }
 
-double div(double a, double b, const FloatFormat& f) {
+double div(double a, double b, const FloatFormat& format) {
     const double q = a / b;
-    if (!residuals_are_exact(a, b, q)) return div_reference(a, b, f);
-    return to_format(q, sign_of(quotient_residual(a, b, q)) * sign_of(b), f);
+    if (!residuals_are_exact(a, b, q)) return div_reference(a, b, format);
+    return to_format(q, sign_of(quotient_residual(a, b, q)) * sign_of(b), format);
 }
 
-double sqrt(double a, const FloatFormat& f) {
+double sqrt(double a, const FloatFormat& format) {
     const double s = std::sqrt(a);
-    if (!residuals_are_exact(a)) return sqrt_reference(a, f);
-    return to_format(s, sign_of(root_residual(a, s)), f);
+    if (!residuals_are_exact(a)) return sqrt_reference(a, format);
+    return to_format(s, sign_of(root_residual(a, s)), format);
 }
 
-double fma(double a, double b, double c, const FloatFormat& f) {
+double fma(double a, double b, double c, const FloatFormat& format) {
     const double p = a * b;
-    if (2 * f.precision > 53 || !residuals_are_exact(p)) return fma_reference(a, b, c, f);
-    return add(p, c, f);  // a·b has at most 2p ≤ 53 bits, so p is exact
+    if (2 * format.precision > 53 || !residuals_are_exact(p)) return fma_reference(a, b, c, format);
+    return add(p, c, format);  // a·b has at most 2p ≤ 53 bits, so p is exact
 }
 
-double next_up(double a, const FloatFormat& f) {
+double next_up(double a, const FloatFormat& format) {
     if (std::isnan(a) || a == infinity) return a;
-    const double smallest = std::ldexp(1.0, f.emin - f.precision + 1);
+    const double smallest = std::ldexp(1.0, format.emin - format.precision + 1);
     if (a == 0) return smallest;
-    if (a == -infinity) return -std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax);
+    if (a == -infinity) return -std::ldexp(2 - std::ldexp(1.0, 1 - format.precision), format.emax);
     const double magnitude = std::fabs(a);
     const int exponent = std::ilogb(magnitude);
-    double step = std::ldexp(1.0, static_cast<int>(ulp_exponent(f, exponent)));
+    double step = std::ldexp(1.0, static_cast<int>(ulp_exponent(format, exponent)));
     // Below a power of two the neighbours lie twice as close, except at the edge of the subnormals.
-    if (a < 0 && exponent > f.emin && magnitude == std::ldexp(1.0, exponent)) step /= 2;
+    if (a < 0 && exponent > format.emin && magnitude == std::ldexp(1.0, exponent)) step /= 2;
     // copysign returns −0 above the largest negative number (IEEE 754 nextUp), as nextafter does.
-    return std::copysign(to_format(a + step, 0, f), a);
+    return std::copysign(to_format(a + step, 0, format), a);
 }
 
-double add_reference(double a, double b, const FloatFormat& f) {
+double add_reference(double a, double b, const FloatFormat& format) {
     if (a == 0 && b == 0) return a + b;
     RoundToOdd r;
     const int inexact = mpfr_add(r.get(), ExactOperand(a), ExactOperand(b), MPFR_RNDZ);
     if (mpfr_zero_p(r.get())) return a + b;
-    return r.to_format(inexact, f);
+    return r.to_format(inexact, format);
 }
 
-double mul_reference(double a, double b, const FloatFormat& f) {
+double mul_reference(double a, double b, const FloatFormat& format) {
     RoundToOdd r;
     const int inexact = mpfr_mul(r.get(), ExactOperand(a), ExactOperand(b), MPFR_RNDZ);
-    return r.to_format(inexact, f);
+    return r.to_format(inexact, format);
 }
 
-double div_reference(double a, double b, const FloatFormat& f) {
+double div_reference(double a, double b, const FloatFormat& format) {
     RoundToOdd r;
     const int inexact = mpfr_div(r.get(), ExactOperand(a), ExactOperand(b), MPFR_RNDZ);
-    return r.to_format(inexact, f);
+    return r.to_format(inexact, format);
 }
 
-double sqrt_reference(double a, const FloatFormat& f) {
+double sqrt_reference(double a, const FloatFormat& format) {
     RoundToOdd r;
     const int inexact = mpfr_sqrt(r.get(), ExactOperand(a), MPFR_RNDZ);
-    return r.to_format(inexact, f);
+    return r.to_format(inexact, format);
 }
 
-double fma_reference(double a, double b, double c, const FloatFormat& f) {
+double fma_reference(double a, double b, double c, const FloatFormat& format) {
     if (a * b == 0 && c == 0 && (a == 0 || b == 0)) return a * b + c;
     RoundToOdd r;
     const int inexact = mpfr_fma(r.get(), ExactOperand(a), ExactOperand(b), ExactOperand(c), MPFR_RNDZ);
     if (mpfr_zero_p(r.get())) return std::fma(a, b, c);
-    return r.to_format(inexact, f);
+    return r.to_format(inexact, format);
 }
 
 }  // namespace rounding

@@ -14,23 +14,23 @@ namespace rounding {
 /// Rounds the exact value r + δ to `f`, ties to even, where r = RN53(r + δ) and `residual` is the sign of δ. The result
 /// is correct for every p ≤ 52, and for p = 53 if r is normal in f. Since |δ| is at most half of r's last place, δ
 /// matters only if r itself lies exactly half way between two neighbours of f.
-double to_format(double r, int residual, const FloatFormat& f);
+double to_format(double r, int residual, const FloatFormat& format);
 
 /// The same operations through MPFR, with no assumption about the range. They are a simple reference for the fast
 /// functions below, which call them if a residual would underflow.
-double add_reference(double a, double b, const FloatFormat& f);
-double mul_reference(double a, double b, const FloatFormat& f);
-double div_reference(double a, double b, const FloatFormat& f);
-double sqrt_reference(double a, const FloatFormat& f);
-double fma_reference(double a, double b, double c, const FloatFormat& f);
+double add_reference(double a, double b, const FloatFormat& format);
+double mul_reference(double a, double b, const FloatFormat& format);
+double div_reference(double a, double b, const FloatFormat& format);
+double sqrt_reference(double a, const FloatFormat& format);
+double fma_reference(double a, double b, double c, const FloatFormat& format);
 
-double add(double a, double b, const FloatFormat& f);
-inline double sub(double a, double b, const FloatFormat& f) { return add(a, -b, f); }
-double mul(double a, double b, const FloatFormat& f);
-double div(double a, double b, const FloatFormat& f);
-double sqrt(double a, const FloatFormat& f);
-double fma(double a, double b, double c, const FloatFormat& f);
-double next_up(double a, const FloatFormat& f);
+double add(double a, double b, const FloatFormat& format);
+inline double sub(double a, double b, const FloatFormat& format) { return add(a, -b, format); }
+double mul(double a, double b, const FloatFormat& format);
+double div(double a, double b, const FloatFormat& format);
+double sqrt(double a, const FloatFormat& format);
+double fma(double a, double b, double c, const FloatFormat& format);
+double next_up(double a, const FloatFormat& format);
 
 }  // namespace rounding
 
@@ -51,9 +51,11 @@ public:
     /// Sets the thread's format for the lifetime of the scope.
     class Scope {
     public:
-        explicit Scope(const FloatFormat& f) : format_(f), previous_(current_), previous_engine_(engine_) {
+        explicit Scope(const FloatFormat& format) : format_(format), previous_(current_), previous_engine_(engine_) {
             current_ = &format_;
-            engine_ = f == binary32 ? Engine::machine_float : f == binary64 ? Engine::machine_double : Engine::rounding;
+            engine_ = format == binary32   ? Engine::machine_float
+                      : format == binary64 ? Engine::machine_double
+                                           : Engine::rounding;
         }
         ~Scope() {
             current_ = previous_;

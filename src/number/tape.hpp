@@ -80,7 +80,7 @@ struct TapeOpRow {
 inline constexpr std::array tape_operations{LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ROW)};
 #undef LOSTBITS_ROW
 
-constexpr const TapeOpRow& row_of(TapeOp op) { return tape_operations[op]; }
+constexpr const TapeOpRow& row_of(TapeOp op) { return tape_operations[static_cast<std::size_t>(op)]; }
 constexpr std::string_view name_of(TapeOp op) { return row_of(op).name; }
 constexpr OperationKind kind_of(TapeOp op) { return row_of(op).kind; }
 

@@ -26,7 +26,7 @@ template <class MakeName>
 std::array<Strings, shape_rows.size()> lists_for_shapes(const MakeName& make_name) {
     std::array<Strings, shape_rows.size()> lists;
     for (const ShapeRow& shape_row : shape_rows)
-        lists[shape_row.shape] = names_from(shape_row.shape, make_name);
+        lists[static_cast<std::size_t>(shape_row.shape)] = names_from(shape_row.shape, make_name);
     return lists;
 }
 
@@ -39,14 +39,14 @@ std::string join_name(std::string_view name, std::string_view separator, const s
 std::span<const std::string> number_names(Shape shape) {
     static const auto lists =
         lists_for_shapes([](const Key& key, const auto& component) { return join_name(key.name, "_", component); });
-    return lists[shape];
+    return lists[static_cast<std::size_t>(shape)];
 }
 
 std::span<const std::string> column_names(Shape shape) {
     static const auto lists = lists_for_shapes([](const Key& key, const auto& component) {
         return component.empty() ? std::string(key.name) : join_name(key.short_name, "", component);
     });
-    return lists[shape];
+    return lists[static_cast<std::size_t>(shape)];
 }
 
 std::vector<std::string> other_column_names(Shape shape, std::size_t k) {

@@ -35,7 +35,9 @@ struct Primitive {
     }
 
     /// Returns the numbers of the shape, without those of its matrix.
-    [[nodiscard]] std::span<const S> shape_numbers() const { return std::span(numbers).first(row_of(shape).number_count); }
+    [[nodiscard]] std::span<const S> shape_numbers() const {
+        return std::span(numbers).first(row_of(shape).number_count);
+    }
     [[nodiscard]] std::span<S> shape_numbers() { return std::span(numbers).first(row_of(shape).number_count); }
 
     template <template <class> class Of>

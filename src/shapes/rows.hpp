@@ -133,7 +133,7 @@ inline constexpr std::array<Shape, shape_rows.size() + 1> all_shapes = [] {
 inline constexpr bool is_primitive(Shape shape) { return shape != Shape::sdf; }
 
 /// Returns the row of a shape that a primitive can have.
-inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[shape]; }
+inline constexpr const ShapeRow& row_of(Shape shape) { return shape_rows[static_cast<std::size_t>(shape)]; }
 
 /// True if the forms of a shape take tmax, where a ray ends.
 inline constexpr bool takes_tmax(Shape shape) { return is_primitive(shape) && row_of(shape).takes_tmax; }
@@ -146,11 +146,11 @@ inline constexpr bool has_inside(Shape shape) { return is_primitive(shape) && !r
 
 inline constexpr std::array<std::string_view, shape_rows.size() + 1> shape_names = [] {
     std::array<std::string_view, shape_rows.size() + 1> names{};
-    for (const ShapeRow& shape_row : shape_rows) names[shape_row.shape] = shape_row.name;
-    names[Shape::sdf] = "sdf";
+    for (const ShapeRow& shape_row : shape_rows) names[static_cast<std::size_t>(shape_row.shape)] = shape_row.name;
+    names[static_cast<std::size_t>(Shape::sdf)] = "sdf";
     return names;
 }();
-inline constexpr std::string_view name_of(Shape shape) { return shape_names[shape]; }
+inline constexpr std::string_view name_of(Shape shape) { return shape_names[static_cast<std::size_t>(shape)]; }
 
 /// Returns nothing if no shape has that name.
 inline constexpr std::optional<Shape> shape_named(std::string_view name) {

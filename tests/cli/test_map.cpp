@@ -147,7 +147,7 @@ TEST_CASE("EXR, pixel CSV and summary agree") {
                 const std::string& of_metric = pixel.at(std::string(metric.name));
                 ++layers;
                 if (!metric.categories.empty() && !of_metric.empty()) {  // the layer has its place in the list
-                    CHECK(metric.categories[layer] == of_metric);
+                    CHECK(metric.categories[static_cast<std::size_t>(layer)] == of_metric);
                     continue;
                 }
                 CHECK((of_metric.empty() ? std::isnan(layer) : layer == static_cast<float>(number_in(of_metric))));

@@ -102,7 +102,7 @@ TEST_CASE("the layers, the pictures and the table of render agree") {
         const auto k = static_cast<std::size_t>(kind);
         CHECK(number_in(row.at(std::string(lostbits::measure::render::seen_names[k]))) == seen_counts[k]);
     }
-    CHECK(number_in(row.at("own_shadow")) == shadow_counts[Shadow::own_shadow]);
+    CHECK(number_in(row.at("own_shadow")) == shadow_counts[static_cast<std::size_t>(Shadow::own_shadow)]);
     CHECK(number_in(row.at("own_shadow")) > 100);
     CHECK(number_in(row.at("surface_lit")) == shadow_counts[1] + shadow_counts[3] + shadow_counts[4]);
     CHECK(number_in(row.at("changed")) == changed);

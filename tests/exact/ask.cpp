@@ -21,12 +21,12 @@ struct Given {
     Primitive<double> primitive;
     Range<double> range;
 
-    Given(Shape shape, const Problem& p)
-        : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}},
+    Given(Shape shape, const Problem& problem)
+        : ray{{problem.ray[0], problem.ray[1], problem.ray[2]}, {problem.ray[3], problem.ray[4], problem.ray[5]}},
           primitive(shape),
-          range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
-        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = p.primitive[k];
-        if (p.has_transform) primitive.transform = transform_of(p.matrix, p.is_inverse);
+          range{problem.tmin, problem.tmax, {problem.open_tmin, problem.open_tmax}} {
+        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = problem.primitive[k];
+        if (problem.has_transform) primitive.transform = transform_of(problem.matrix, problem.is_inverse);
     }
 };
 
@@ -65,20 +65,21 @@ struct Columns {
         columns.open_ends = {problems.front().open_tmin, problems.front().open_tmax};
         const auto put = [&](std::vector<S>& to, const auto& number) {
             to.reserve(problems.size());
-            for (const Problem& p : problems) to.push_back(static_cast<S>(number(p)));
+            for (const Problem& problem : problems) to.push_back(static_cast<S>(number(problem)));
             return std::span<const S>(to);
         };
-        for (std::size_t k = 0; k < 6; ++k) columns.ray[k] = put(ray[k], [k](const Problem& p) { return p.ray[k]; });
+        for (std::size_t k = 0; k < 6; ++k)
+            columns.ray[k] = put(ray[k], [k](const Problem& problem) { return problem.ray[k]; });
         for (std::size_t k = 0; k < row_of(shape).number_count; ++k)
-            columns.primitive[k] = put(primitive[k], [k](const Problem& p) { return p.primitive[k]; });
-        columns.tmin = put(tmin, [](const Problem& p) { return p.tmin; });
-        columns.tmax = put(tmax, [](const Problem& p) { return p.tmax; });
+            columns.primitive[k] = put(primitive[k], [k](const Problem& problem) { return problem.primitive[k]; });
+        columns.tmin = put(tmin, [](const Problem& problem) { return problem.tmin; });
+        columns.tmax = put(tmax, [](const Problem& problem) { return problem.tmax; });
         const Problem& first = problems.front();
         if (!first.has_transform) return;
         columns.matrix = {true, first.is_inverse, transform_of(first.matrix).orientation};
         for (std::size_t k = 0; k < first.matrix.size(); ++k)
             columns.primitive[max_number_count + k] =
-                put(primitive[max_number_count + k], [k](const Problem& p) { return p.matrix[k]; });
+                put(primitive[max_number_count + k], [k](const Problem& problem) { return problem.matrix[k]; });
     }
 };
 

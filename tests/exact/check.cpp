@@ -99,7 +99,7 @@ Findings check(const Shaped& shape, std::span<const Problem> problems, std::span
     return found;
 }
 
-std::string paste(const Shaped& shape, const Problem& p, const Answer& a) {
+std::string paste(const Shaped& shape, const Problem& problem, const Answer& a) {
     std::string text(shape.name);
     const auto add = [&text](const char* name, double x) {
         char number[64];
@@ -107,15 +107,15 @@ std::string paste(const Shaped& shape, const Problem& p, const Answer& a) {
         text += number;
     };
     text += ": ray";
-    for (const double x : p.ray) add(" ", x);
+    for (const double x : problem.ray) add(" ", x);
     text += ", solid";
-    for (const double x : p.primitive) add(" ", x);
-    if (p.has_transform) {
-        text += p.is_inverse ? ", under the inverse" : ", under";
-        for (const double x : p.matrix) add(" ", x);
+    for (const double x : problem.primitive) add(" ", x);
+    if (problem.has_transform) {
+        text += problem.is_inverse ? ", under the inverse" : ", under";
+        for (const double x : problem.matrix) add(" ", x);
     }
-    add(", from ", p.tmin), add(p.open_tmin ? " (open) to " : " to ", p.tmax);
-    text += p.open_tmax ? " (open)" : "";
+    add(", from ", problem.tmin), add(problem.open_tmin ? " (open) to " : " to ", problem.tmax);
+    text += problem.open_tmax ? " (open)" : "";
     if (!a.hit) return text + ": a miss";
     add(": a hit at ", a.high), add(" + ", a.low), add(" +- ", a.bound);
     text += " times 2^" + std::to_string(a.exponent);

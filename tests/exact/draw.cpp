@@ -45,16 +45,17 @@ std::size_t numbers_in(std::string_view layout) {
 }
 
 /// True if the three numbers at k are those at l, or 0 each without an l.
-bool is_zero(const Problem& p, std::size_t k) {
-    return p.primitive[k] == 0 && p.primitive[k + 1] == 0 && p.primitive[k + 2] == 0;
+bool is_zero(const Problem& problem, std::size_t k) {
+    return problem.primitive[k] == 0 && problem.primitive[k + 1] == 0 && problem.primitive[k + 2] == 0;
 }
-bool are_same(const Problem& p, std::size_t k, std::size_t l) {
-    return p.primitive[k] == p.primitive[l] && p.primitive[k + 1] == p.primitive[l + 1] &&
-           p.primitive[k + 2] == p.primitive[l + 2];
+bool are_same(const Problem& problem, std::size_t k, std::size_t l) {
+    return problem.primitive[k] == problem.primitive[l] && problem.primitive[k + 1] == problem.primitive[l + 1] &&
+           problem.primitive[k + 2] == problem.primitive[l + 2];
 }
-bool are_on_one_line(const Problem& p) {
-    const auto point = [&p](std::size_t k) {
-        return Vector<Whole>{Whole(p.primitive[k]), Whole(p.primitive[k + 1]), Whole(p.primitive[k + 2])};
+bool are_on_one_line(const Problem& problem) {
+    const auto point = [&problem](std::size_t k) {
+        return Vector<Whole>{Whole(problem.primitive[k]), Whole(problem.primitive[k + 1]),
+                             Whole(problem.primitive[k + 2])};
     };
     const Vector<Whole> n = cross(point(3) - point(0), point(6) - point(0));
     return sign(n.x) == 0 && sign(n.y) == 0 && sign(n.z) == 0;
@@ -62,58 +63,63 @@ bool are_on_one_line(const Problem& p) {
 
 /// True if the problem is a ray and a primitive in numbers of the format, and its range contains a t.
 template <class S>
-bool is_proper(std::string_view layout, const Problem& p) {
+bool is_proper(std::string_view layout, const Problem& problem) {
     const auto is_number = [](double x) {
         return std::isfinite(static_cast<S>(x)) && static_cast<double>(static_cast<S>(x)) == x;
     };
-    for (const double x : p.ray)
+    for (const double x : problem.ray)
         if (!is_number(x)) return false;
     for (std::size_t k = 0; k < numbers_in(layout); ++k)
-        if (!is_number(p.primitive[k])) return false;
-    if (p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0) return false;
-    if (!is_number(p.tmin) || !(p.tmin >= 0)) return false;
-    if (!(p.tmax == INFINITY || is_number(p.tmax)) || p.tmax < p.tmin) return false;
-    if (p.tmax == p.tmin && (p.open_tmin || p.open_tmax)) return false;
+        if (!is_number(problem.primitive[k])) return false;
+    if (problem.ray[3] == 0 && problem.ray[4] == 0 && problem.ray[5] == 0) return false;
+    if (!is_number(problem.tmin) || !(problem.tmin >= 0)) return false;
+    if (!(problem.tmax == INFINITY || is_number(problem.tmax)) || problem.tmax < problem.tmin) return false;
+    if (problem.tmax == problem.tmin && (problem.open_tmin || problem.open_tmax)) return false;
     std::size_t k = 0;
     for (const char c : layout) {
-        if ((c == 'r' || c == 'm') && !(p.primitive[k] > 0)) return false;
-        if (c == 'n' && !(p.primitive[k] >= 0)) return false;
-        if ((c == 'i' || c == 'm') && !(p.primitive[k] >= 0 && p.primitive[k] < p.primitive[k - 1])) return false;
-        if (c == 'd' && is_zero(p, k)) return false;
+        if ((c == 'r' || c == 'm') && !(problem.primitive[k] > 0)) return false;
+        if (c == 'n' && !(problem.primitive[k] >= 0)) return false;
+        if ((c == 'i' || c == 'm') && !(problem.primitive[k] >= 0 && problem.primitive[k] < problem.primitive[k - 1]))
+            return false;
+        if (c == 'd' && is_zero(problem, k)) return false;
         for (std::size_t i = k; c == 'h' && i < k + 3; ++i)
-            if (p.primitive[i] < p.primitive[i - 3]) return false;
+            if (problem.primitive[i] < problem.primitive[i - 3]) return false;
         k += is_triple(c) ? 3 : 1;
     }
-    if (layout == "ppp") return !are_on_one_line(p);
-    return !layout.starts_with("pp") || !are_same(p, 0, 3);
+    if (layout == "ppp") return !are_on_one_line(problem);
+    return !layout.starts_with("pp") || !are_same(problem, 0, 3);
 }
 
 /// Each number through `draw(kind)`, corners in order.
 template <class Draw>
-void draw_primitive(std::string_view layout, Problem& p, const Draw& draw) {
+void draw_primitive(std::string_view layout, Problem& problem, const Draw& draw) {
     std::size_t k = 0;
     for (const char c : layout)
         for (const std::size_t end = k + (is_triple(c) ? 3 : 1); k < end; ++k) {
-            p.primitive[k] = draw(c);
-            if (c == 'h' && p.primitive[k] < p.primitive[k - 3]) std::swap(p.primitive[k], p.primitive[k - 3]);
-            if ((c == 'i' || c == 'm') && p.primitive[k] > p.primitive[k - 1])
-                std::swap(p.primitive[k], p.primitive[k - 1]);
+            problem.primitive[k] = draw(c);
+            if (c == 'h' && problem.primitive[k] < problem.primitive[k - 3])
+                std::swap(problem.primitive[k], problem.primitive[k - 3]);
+            if ((c == 'i' || c == 'm') && problem.primitive[k] > problem.primitive[k - 1])
+                std::swap(problem.primitive[k], problem.primitive[k - 1]);
         }
 }
 
 /// A point of the primitive, or one beside it.
-void aim_at(std::string_view layout, const Problem& p, Chance& chance, double (&target)[3]) {
+void aim_at(std::string_view layout, const Problem& problem, Chance& chance, double (&target)[3]) {
     const double u = (chance.part() + 1) * 0.6 - 0.1, v = (chance.part() + 1) * 0.6 - 0.1;
     for (std::size_t i = 0; i < 3; ++i) {
-        target[i] = p.primitive[i];
-        if (layout == "ph") target[i] += ((chance.part() + 1) * 0.6 - 0.1) * (p.primitive[i + 3] - p.primitive[i]);
+        target[i] = problem.primitive[i];
+        if (layout == "ph")
+            target[i] += ((chance.part() + 1) * 0.6 - 0.1) * (problem.primitive[i + 3] - problem.primitive[i]);
         else if (layout == "ppp")
-            target[i] += u * (p.primitive[i + 3] - p.primitive[i]) + v * (p.primitive[i + 6] - p.primitive[i]);
-        else if (layout.starts_with("pp")) target[i] += u * (p.primitive[i + 3] - p.primitive[i]);
-        if (layout == "pr") target[i] += 1.1 * chance.part() * p.primitive[3];
-        else if (layout == "prrr") target[i] += 1.1 * chance.part() * p.primitive[3 + i];
-        else if (layout.ends_with('r') || layout.ends_with('n')) target[i] += 1.2 * chance.part() * p.primitive[6];
-        else if (layout.starts_with("pdr")) target[i] += 1.2 * chance.part() * p.primitive[6];
+            target[i] += u * (problem.primitive[i + 3] - problem.primitive[i]) +
+                         v * (problem.primitive[i + 6] - problem.primitive[i]);
+        else if (layout.starts_with("pp")) target[i] += u * (problem.primitive[i + 3] - problem.primitive[i]);
+        if (layout == "pr") target[i] += 1.1 * chance.part() * problem.primitive[3];
+        else if (layout == "prrr") target[i] += 1.1 * chance.part() * problem.primitive[3 + i];
+        else if (layout.ends_with('r') || layout.ends_with('n'))
+            target[i] += 1.2 * chance.part() * problem.primitive[6];
+        else if (layout.starts_with("pdr")) target[i] += 1.2 * chance.part() * problem.primitive[6];
     }
 }
 

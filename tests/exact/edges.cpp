@@ -78,11 +78,11 @@ Passing passing_of(const Points& points, const Direction& direction) {
 
 }  // namespace
 
-Passing pass(const Problem& p) {
+Passing pass(const Problem& problem) {
     std::array<double, 12> points;
-    std::copy_n(p.ray.begin(), 3, points.begin()), std::copy_n(p.primitive.begin(), 9, points.begin() + 3);
+    std::copy_n(problem.ray.begin(), 3, points.begin()), std::copy_n(problem.primitive.begin(), 9, points.begin() + 3);
     const OnGrid<12> at(points);
-    const OnGrid<3> along({p.ray[3], p.ray[4], p.ray[5]});
+    const OnGrid<3> along({problem.ray[3], problem.ray[4], problem.ray[5]});
     const int bits = std::max(at.bits, along.bits);
     if (bits <= 40) return passing_of<Int128>(at, along);
     Passing found;
@@ -90,7 +90,7 @@ Passing pass(const Problem& p) {
         found = passing_of<Fixed<4>>(at, along), found.by = Passing::four_words;
         return found;
     }
-    const Asked<Whole> q(p);
+    const Asked<Whole> q(problem);
     found = passing<Whole>(q.o, q.d, {q.point(0), q.point(3), q.point(6)}), found.by = Passing::any_length;
     return found;
 }
@@ -114,7 +114,7 @@ struct Corners {
 /// Points of a grid of up to as many bits as the format has: p on the edge from p + k e to p − l e, or where k = 0 a
 /// vertex, met at t = s. All multiples stay below 2^digits.
 template <class S>
-void draw_exactly(Chance& chance, Problem& p, const Corners& corner) {
+void draw_exactly(Chance& chance, Problem& problem, const Corners& corner) {
     const int width = 2 + chance.below(std::numeric_limits<S>::digits - 4);
     const auto whole = [&] { return static_cast<double>(static_cast<std::int64_t>(chance.bits()) >> (63 - width)); };
     const double k = chance.below(4), l = 1 + chance.below(3), s = chance.below(6) - 1;
@@ -122,12 +122,12 @@ void draw_exactly(Chance& chance, Problem& p, const Corners& corner) {
     const double unit = scaled ? power_of_two(chance, -60, 60) : 1, step = scaled ? power_of_two(chance, -30, 30) : 1;
     for (std::size_t i = 0; i < 3; ++i) {
         const double at = whole(), d = whole(), e = whole();
-        p.ray[i] = unit * (at - s * d), p.ray[3 + i] = step * d;
+        problem.ray[i] = unit * (at - s * d), problem.ray[3 + i] = step * d;
         corner.at(0, i) = unit * (at + k * e), corner.at(1, i) = unit * (at - l * e), corner.at(2, i) = unit * whole();
     }
     if (chance.below(4) == 0) return;
     const std::size_t which = static_cast<std::size_t>(chance.below(15));
-    move<S>(which < 6 ? p.ray[which] : p.primitive[which - 6], 1 + chance.below(2),
+    move<S>(which < 6 ? problem.ray[which] : problem.primitive[which - 6], 1 + chance.below(2),
             chance.below(2) == 0 ? HUGE_VAL : -HUGE_VAL);
 }
 
@@ -145,7 +145,7 @@ void draw_triangle(Chance& chance, double size, const Corners& corner) {
 }
 
 template <class S>
-void draw_nearly(Chance& chance, Problem& p, const Corners& corner) {
+void draw_nearly(Chance& chance, Problem& problem, const Corners& corner) {
     constexpr int sizes[] = {0, 0, 0, 0, -14, -26, 10, 20};
     const double size = std::ldexp(1, sizes[chance.below(8)]), away = size * power_of_two(chance, -10, 20);
     draw_triangle<S>(chance, size, corner);
@@ -155,19 +155,19 @@ void draw_nearly(Chance& chance, Problem& p, const Corners& corner) {
     const bool moved = chance.below(4) != 0;
     for (std::size_t i = 0; i < 3; ++i) {
         const double target = corner.at(0, i) + along * (corner.at(1, i) - corner.at(0, i));
-        p.ray[i] = stored<S>(target - (flat == static_cast<int>(i) ? 0 : away * chance.part()));
-        p.ray[3 + i] = stored<S>(step * (target - p.ray[i]));
-        if (moved) move<S>(p.ray[3 + i], chance.below(3), chance.below(2) == 0 ? HUGE_VAL : -HUGE_VAL);
+        problem.ray[i] = stored<S>(target - (flat == static_cast<int>(i) ? 0 : away * chance.part()));
+        problem.ray[3 + i] = stored<S>(step * (target - problem.ray[i]));
+        if (moved) move<S>(problem.ray[3 + i], chance.below(3), chance.below(2) == 0 ? HUGE_VAL : -HUGE_VAL);
     }
 }
 
 template <class S>
 void draw_all(Chance& chance, std::vector<Problem>& problems) {
-    for (Problem& p : problems) {
+    for (Problem& problem : problems) {
         do {
-            const Corners corner{p.primitive, static_cast<std::size_t>(chance.below(3))};
-            chance.below(16) == 0 ? draw_exactly<S>(chance, p, corner) : draw_nearly<S>(chance, p, corner);
-        } while (p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0);
+            const Corners corner{problem.primitive, static_cast<std::size_t>(chance.below(3))};
+            chance.below(16) == 0 ? draw_exactly<S>(chance, problem, corner) : draw_nearly<S>(chance, problem, corner);
+        } while (problem.ray[3] == 0 && problem.ray[4] == 0 && problem.ray[5] == 0);
     }
 }
 

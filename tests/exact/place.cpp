@@ -85,10 +85,11 @@ void turn(Matrix& m, int orientation) {
 
 /// True if matrix and ray are numbers, the ray has a direction, and the matrix is of the kind.
 template <class S>
-bool has_valid_transform(const Problem& p, int orientation) {
+bool has_valid_transform(const Problem& problem, int orientation) {
     const auto is_number = [](double x) { return std::isfinite(static_cast<S>(x)); };
-    return std::ranges::all_of(p.matrix, is_number) && std::ranges::all_of(p.ray, is_number) &&
-           !(p.ray[3] == 0 && p.ray[4] == 0 && p.ray[5] == 0) && orientation_of(p.matrix) == orientation;
+    return std::ranges::all_of(problem.matrix, is_number) && std::ranges::all_of(problem.ray, is_number) &&
+           !(problem.ray[3] == 0 && problem.ray[4] == 0 && problem.ray[5] == 0) &&
+           orientation_of(problem.matrix) == orientation;
 }
 
 /// The problem with the transform, with its ray transformed to the world.
@@ -114,12 +115,12 @@ Problem transformed(Problem p, Matrix m, bool is_inverse) {
 /// primitives at the end of the exponent range, uses a matrix that at most mirrors.
 template <class S, class Draw>
 void place(const Matrices& all, std::vector<Problem>& problems, const Draw& draw) {
-    for (Problem& p : problems) {
-        for (int tries = 0; !p.has_transform; ++tries) {
+    for (Problem& problem : problems) {
+        for (int tries = 0; !problem.has_transform; ++tries) {
             Matrix m = tries < 8 ? draw() : Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
             turn(m, all.orientation);
-            const Problem there = transformed<S>(p, m, all.is_inverse);
-            if (has_valid_transform<S>(there, all.orientation)) p = there;
+            const Problem there = transformed<S>(problem, m, all.is_inverse);
+            if (has_valid_transform<S>(there, all.orientation)) problem = there;
         }
     }
 }

@@ -42,13 +42,13 @@ struct Asked {
     Counted<E> counted;
     bool is_flat = false;  ///< the matrix leaves nothing to hit
 
-    explicit Asked(const Problem& p)
-        : o{E(p.ray[0]), E(p.ray[1]), E(p.ray[2])},
-          d{E(p.ray[3]), E(p.ray[4]), E(p.ray[5])},
-          counted{place(E(p.tmin)), {}, p.open_tmin, p.open_tmax} {
-        for (std::size_t k = 0; k < most_primitive; ++k) n[k] = E(p.primitive[k]);
-        if (p.tmax < INFINITY) counted.to = place(E(p.tmax));
-        if (p.has_transform) enter(p);
+    explicit Asked(const Problem& problem)
+        : o{E(problem.ray[0]), E(problem.ray[1]), E(problem.ray[2])},
+          d{E(problem.ray[3]), E(problem.ray[4]), E(problem.ray[5])},
+          counted{place(E(problem.tmin)), {}, problem.open_tmin, problem.open_tmax} {
+        for (std::size_t k = 0; k < most_primitive; ++k) n[k] = E(problem.primitive[k]);
+        if (problem.tmax < INFINITY) counted.to = place(E(problem.tmax));
+        if (problem.has_transform) enter(problem);
     }
     [[nodiscard]] Vector<E> point(std::size_t k) const { return {n[k], n[k + 1], n[k + 2]}; }
 
@@ -56,12 +56,12 @@ private:
     /// With A's columns x, y, z, and v for a column by turns, Cramer's rule has A⁻¹v = (v·(y×z), v·(z×x), v·(x×y))/det.
     /// Nothing is divided: the ray and all numbers of the primitive are |det| times as large, at which t stays and the
     /// normal of a plane is one.
-    void enter(const Problem& p) {
-        const auto column = [&p](std::size_t c) {
-            return Vector<E>{E(p.matrix[c]), E(p.matrix[4 + c]), E(p.matrix[8 + c])};
+    void enter(const Problem& problem) {
+        const auto column = [&problem](std::size_t c) {
+            return Vector<E>{E(problem.matrix[c]), E(problem.matrix[4 + c]), E(problem.matrix[8 + c])};
         };
         const Vector<E> x = column(0), y = column(1), z = column(2), shift = column(3);
-        if (p.is_inverse) {
+        if (problem.is_inverse) {
             o = o.x * x + o.y * y + o.z * z + shift, d = d.x * x + d.y * y + d.z * z;
             is_flat = sign(dot(x, cross(y, z))) == 0;
             return;
@@ -78,8 +78,8 @@ private:
 
 /// First point at which the ray meets a primitive of a shape; nothing for a miss.
 template <class E>
-First<E> meet(First<E> (*shape)(const Asked<E>&), const Problem& p) {
-    const Asked<E> q(p);
+First<E> meet(First<E> (*shape)(const Asked<E>&), const Problem& problem) {
+    const Asked<E> q(problem);
     return q.is_flat ? First<E>(std::nullopt) : shape(q);
 }
 

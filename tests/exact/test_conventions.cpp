@@ -32,9 +32,10 @@ std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
     const auto is_small = [](double x) { return x == std::floor(x) && std::fabs(x) < 16; };
     while (whole.size() < count) {
         draw_made(shape, true, {}, chance, some);
-        for (Problem& p : some) {
-            p.tmin = 0, p.tmax = INFINITY;
-            if (std::ranges::all_of(p.ray, is_small) && std::ranges::all_of(p.primitive, is_small)) whole.push_back(p);
+        for (Problem& problem : some) {
+            problem.tmin = 0, problem.tmax = INFINITY;
+            if (std::ranges::all_of(problem.ray, is_small) && std::ranges::all_of(problem.primitive, is_small))
+                whole.push_back(problem);
         }
     }
     whole.resize(count);
@@ -42,8 +43,8 @@ std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
 }
 
 /// The primitive without its surface, or without its rim, to within some 2^-44. False if nothing is left.
-bool shrink(std::string_view shape, Problem& p) {
-    std::array<double, most_primitive>& n = p.primitive;
+bool shrink(std::string_view shape, Problem& problem) {
+    std::array<double, most_primitive>& n = problem.primitive;
     const auto closer = [&n](std::size_t i, std::size_t j, double part = little) {
         for (std::size_t k = 0; k < 3; ++k) {
             const double step = part * (n[j + k] - n[i + k]);
@@ -68,7 +69,7 @@ bool shrink(std::string_view shape, Problem& p) {
     return true;
 }
 
-bool meets(const Shaped& shape, const Problem& p) { return meet(shape.exactly, p).is_hit(); }
+bool meets(const Shaped& shape, const Problem& problem) { return meet(shape.exactly, problem).is_hit(); }
 
 /// Point at which the ray enters the open primitive. The ray starts a little earlier, so that an exit at its start
 /// counts. A surface without an inside is crossed a little later, since a tube is narrower then.
@@ -86,11 +87,11 @@ struct Given {
     Primitive<double> primitive;
     Range<double> range;
 
-    Given(const Shaped& shape, const Problem& p)
-        : ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}},
+    Given(const Shaped& shape, const Problem& problem)
+        : ray{{problem.ray[0], problem.ray[1], problem.ray[2]}, {problem.ray[3], problem.ray[4], problem.ray[5]}},
           primitive(*shape_named(shape.name)),
-          range{p.tmin, p.tmax, {p.open_tmin, p.open_tmax}} {
-        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = p.primitive[k];
+          range{problem.tmin, problem.tmax, {problem.open_tmin, problem.open_tmax}} {
+        for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = problem.primitive[k];
     }
     [[nodiscard]] Truth truth(const Convention& convention = {}) const {
         return find_truth(ray, primitive, {}, convention, range);
@@ -110,8 +111,8 @@ bool is_about(const First<Whole>& first, double t) {
 
 /// Compares rays that only touch the primitive and do not begin inside a torus, whose hole grows. A tube may still be
 /// hit behind its rim, and a torus behind a tangent.
-void hold_touching(const Shaped& shape, const Problem& p, const Given& given, const Truth& closed, Tally& tally) {
-    const First<Whole> through = meets_open(shape, p);
+void hold_touching(const Shaped& shape, const Problem& problem, const Given& given, const Truth& closed, Tally& tally) {
+    const First<Whole> through = meets_open(shape, problem);
     const bool at_once = closed.is_hit() && through.is_hit() && through.side(Whole(number_of(closed) + 0x1p-16)) < 0;
     const Truth open = given.truth(Touching::miss);
     REQUIRE(open.is_hit() == (closed.is_hit() && through.is_hit()));
@@ -121,17 +122,17 @@ void hold_touching(const Shaped& shape, const Problem& p, const Given& given, co
     ++tally.behind;
 }
 
-void hold(const Shaped& shape, const Problem& p, Tally& tally) {
-    const Given given(shape, p);
+void hold(const Shaped& shape, const Problem& problem, Tally& tally) {
+    const Given given(shape, problem);
     const Truth closed = given.truth();
-    INFO(paste(shape, p, {.hit = closed.is_hit()}));
-    REQUIRE(closed.is_hit() == meets(shape, p));
+    INFO(paste(shape, problem, {.hit = closed.is_hit()}));
+    REQUIRE(closed.is_hit() == meets(shape, problem));
     const double depth = visit(given.primitive, [&](const auto& s) { return s.relative_distance(given.ray.origin); });
-    if (shape.name != "torus" || depth > 0x1p-30) hold_touching(shape, p, given, closed, tally);
+    if (shape.name != "torus" || depth > 0x1p-30) hold_touching(shape, problem, given, closed, tally);
     if (!closed.is_hit()) return;
     tally.touching += closed.touches, tally.from_it += closed.on_surface;
     if (inside_returns_zero(given.primitive.shape)) return;
-    Problem at = p, after = p;
+    Problem at = problem, after = problem;
     at.tmax = 0, after.open_tmin = true;
     REQUIRE(closed.on_surface == meets(shape, at));
     has_no_first = false;
@@ -209,10 +210,10 @@ struct AtEnds {
 private:
     /// Tests each ray alone, from each side, and with the properties about an inside, which do not matter for a ray
     /// that comes from outside.
-    void hold(const Shaped& shape, const Problem& p, bool with_rim, bool right) {
-        const Given given(shape, p);
+    void hold(const Shaped& shape, const Problem& problem, bool with_rim, bool right) {
+        const Given given(shape, problem);
         Convention asked(with_rim ? Touching::hit : Touching::miss);
-        INFO(paste(shape, p, {.hit = right}) << (with_rim ? "" : ", open"));
+        INFO(paste(shape, problem, {.hit = right}) << (with_rim ? "" : ", open"));
         REQUIRE(given.truth(asked).is_hit() == right);
         (with_rim ? of_closed : of_open) += right;
         if (is_flat(given.primitive.shape)) {
@@ -221,7 +222,7 @@ private:
                 asked.facing = facing, sides += given.truth(asked).is_hit();
             REQUIRE(sides == right);
         }
-        if (p.tmin > 0 || !has_inside(given.primitive.shape) || shape.name == "torus") return;
+        if (problem.tmin > 0 || !has_inside(given.primitive.shape) || shape.name == "torus") return;
         for (const Inside inside : {Inside::zero, Inside::miss}) {
             asked.inside = inside;
             REQUIRE(given.truth(asked).is_hit() == right);
@@ -237,8 +238,8 @@ TEST_CASE("exact: a ray that ends where it enters a primitive touches it", "[exa
         AtEnds all;
         // A torus is slow, and few rays with whole numbers meet a triangle at a whole number.
         const std::size_t count = shape.name == "torus" ? 5000 : shape.name == "triangle" ? 100000 : 50000;
-        for (const Problem& p : whole_problems(shape, test::draws(count)))
-            if (const auto at = crossed(shape, p)) all.add(shape, p, *at);
+        for (const Problem& problem : whole_problems(shape, test::draws(count)))
+            if (const auto at = crossed(shape, problem)) all.add(shape, problem, *at);
         all.hold(shape);
         INFO(shape.name << ": closed " << all.of_closed << ", open " << all.of_open);
         CHECK(all.of_closed > 30);
@@ -253,7 +254,7 @@ TEST_CASE("exact: rays that touch a primitive or begin on or in it are recognise
     for (const Shaped& shape : shapes) {
         Tally tally;
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 10000U : 30000U});
-        for (const Problem& p : whole_problems(shape, count)) hold(shape, p, tally);
+        for (const Problem& problem : whole_problems(shape, count)) hold(shape, problem, tally);
         const Shape kind = *shape_named(shape.name);
         INFO(shape.name << ": touched " << tally.touching << ", met behind that " << tally.behind << ", from it "
                         << tally.from_it << ", from inside " << tally.inside);
@@ -321,11 +322,11 @@ TEST_CASE("exact: packs decide as single rays with every instruction set", "[exa
         std::vector<std::uint8_t> hits;
         for (const bool made : {false, true}) {
             (made ? draw_made : draw_random)(shape, true, {}, chance, problems);
-            for (Problem& p : problems) p.tmin = 0, p.tmax = INFINITY;
+            for (Problem& problem : problems) problem.tmin = 0, problem.tmax = INFINITY;
             for (const bool with_rim : {true, false}) {
                 std::vector<std::uint8_t> alone;
-                for (const Problem& p : problems)
-                    alone.push_back(Given(shape, p).truth(with_rim ? Touching::hit : Touching::miss).is_hit());
+                for (const Problem& problem : problems)
+                    alone.push_back(Given(shape, problem).truth(with_rim ? Touching::hit : Touching::miss).is_hit());
                 for (const auto isa : intersect::simd::available_isas()) {
                     intersect::simd::set_isa(isa);
                     decide(shape.name, TruthRoute::floats_for_ulps, with_rim, problems, hits);

@@ -111,8 +111,8 @@ TEST_CASE("exact: a sign that is wrong at zero is detected", "[exact][edges]") {
     draw_at_edges(true, chance, problems);
     for (std::size_t sign = 0; sign < 4; ++sign) {
         std::vector<std::uint8_t> hit;
-        for (const Problem& p : problems) {
-            const Passing right = pass(p);
+        for (const Problem& problem : problems) {
+            const Passing right = pass(problem);
             hit.push_back(right.meets() && (sign < 3 ? right.edges[sign] : right.ahead) != 0);
         }
         Tally tally;

@@ -137,8 +137,8 @@ TEST_CASE("exact: nothing is hit under a singular matrix", "[exact]") {
         for (const bool is_inverse : {false, true}) {
             draw_made(shape, false, {}, chance, problems);
             place_as_made(false, {.is_inverse = is_inverse}, chance, problems);
-            for (Problem& p : problems)
-                for (std::size_t c = 0; c < 3; ++c) p.matrix[8 + c] = p.matrix[c] + p.matrix[4 + c];
+            for (Problem& problem : problems)
+                for (std::size_t c = 0; c < 3; ++c) problem.matrix[8 + c] = problem.matrix[c] + problem.matrix[4 + c];
             ask(shape.name, TruthRoute::one_by_one, problems, answers);
             INFO(shape.name);
             CHECK(std::ranges::count(answers, true, &Answer::hit) == 0);

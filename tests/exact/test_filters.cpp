@@ -40,10 +40,10 @@ void for_each_filter(const Visit& visit) {
 }
 
 template <class F>
-Primitive<F> primitive_of(const Intersector& form, const Problem& p) {
+Primitive<F> primitive_of(const Intersector& form, const Problem& problem) {
     Primitive<F> primitive(form.shape);
     for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
-        primitive.numbers[k] = static_cast<F>(p.primitive[k]);
+        primitive.numbers[k] = static_cast<F>(problem.primitive[k]);
     return primitive;
 }
 
@@ -51,9 +51,9 @@ Primitive<F> primitive_of(const Intersector& form, const Problem& p) {
 template <class F, class Run>
 std::vector<Hit<F>> ask(const Run& run, std::span<const Problem> problems, std::span<const Primitive<F>> primitives) {
     std::array<std::vector<F>, 7> columns;
-    for (const Problem& p : problems) {
-        for (std::size_t k = 0; k < 6; ++k) columns[k].push_back(static_cast<F>(p.ray[k]));
-        columns[6].push_back(static_cast<F>(p.tmax));
+    for (const Problem& problem : problems) {
+        for (std::size_t k = 0; k < 6; ++k) columns[k].push_back(static_cast<F>(problem.ray[k]));
+        columns[6].push_back(static_cast<F>(problem.tmax));
     }
     std::vector<F> t(problems.size()), near = t, far = t;
     std::vector<std::uint8_t> hit(problems.size());
@@ -113,17 +113,18 @@ struct Tally {
     std::string first;
 
     [[nodiscard]] bool go_some(DecidingArithmetic way, std::size_t of_a_thousand) const {
-        return 1000 * ways[way] >= of_a_thousand * first_batch;
+        return 1000 * ways[static_cast<std::size_t>(way)] >= of_a_thousand * first_batch;
     }
 };
 
 template <class F>
 void add_ways(const Intersector& form, std::span<const Problem> problems, Tally& tally) {
     const Format format = *find_format(sizeof(F) == 4 ? "f32" : "f64");
-    for (const Problem& p : problems) {
-        const Ray<double> ray{{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}};
-        ++tally.ways[
-            form.deciding_arithmetic(format, ray, primitive_of<double>(form, p), p.tmax)];
+    for (const Problem& problem : problems) {
+        const Ray<double> ray{{problem.ray[0], problem.ray[1], problem.ray[2]},
+                              {problem.ray[3], problem.ray[4], problem.ray[5]}};
+        ++tally.ways[static_cast<std::size_t>(
+            form.deciding_arithmetic(format, ray, primitive_of<double>(form, problem), problem.tmax))];
     }
     tally.first_batch = problems.size();
 }
@@ -131,14 +132,14 @@ void add_ways(const Intersector& form, std::span<const Problem> problems, Tally&
 /// Counts answers of a pack that differ in any bit from those of each ray alone. The pack contains a ray, others on its
 /// line, and the same rays reversed: most of them are proved by fewer steps than the first ray needs.
 template <class F>
-std::size_t differing(const Intersector& form, const Problem& p) {
-    std::vector<Problem> problems(16 / sizeof(F), p);
+std::size_t differing(const Intersector& form, const Problem& problem) {
+    std::vector<Problem> problems(16 / sizeof(F), problem);
     for (std::size_t lane = 1; lane < problems.size(); ++lane)
         for (std::size_t i = 0; i < 3; ++i) {
             if (lane > 1) problems[lane].ray[i] -= problems[lane].ray[3 + i];
             if (lane % 2 == 1) problems[lane].ray[3 + i] *= -1;
         }
-    const Primitive<F> primitive = primitive_of<F>(form, p);
+    const Primitive<F> primitive = primitive_of<F>(form, problem);
     const std::vector<Hit<F>> alone = ask<F>(kernel_of<F>(form, Isa::scalar), problems, {&primitive, 1}),
                               together = ask<F>(kernel_of<F>(form, Isa::w128), problems, {&primitive, 1});
     const auto same = [](F a, F b) { return a == b ? std::signbit(a) == std::signbit(b) : a != a && b != b; };
@@ -158,10 +159,10 @@ Tally ask_all(const Intersector& form, const Shaped& shape, std::size_t rays, co
     while (tally.asked < rays) {
         draw(problems);
         std::vector<Primitive<F>> primitives;
-        for (Problem& p : problems) {
-            p.tmin = 0;
-            if (!takes_tmax(form.shape)) p.tmax = INFINITY;
-            primitives.push_back(primitive_of<F>(form, p));
+        for (Problem& problem : problems) {
+            problem.tmin = 0;
+            if (!takes_tmax(form.shape)) problem.tmax = INFINITY;
+            primitives.push_back(primitive_of<F>(form, problem));
         }
         if (tally.asked == 0) add_ways<F>(form, problems, tally);
         const ToCheck all(form, sizeof(F) == 4 ? binary32 : binary64, problems,
@@ -249,9 +250,9 @@ TEMPLATE_TEST_CASE("exact: the filter of tori decides right if touched in one po
         const bool any_size = kind == std::string_view("of any size");
         Chance chance(4);
         const auto draw = [&](std::vector<Problem>& problems) {
-            for (Problem& p : problems)
-                p = any_size ? torus_of_any_size<TestType>(chance)
-                             : beside_torus<TestType>(chance, kind == std::string_view("without a hole"));
+            for (Problem& problem : problems)
+                problem = any_size ? torus_of_any_size<TestType>(chance)
+                                   : beside_torus<TestType>(chance, kind == std::string_view("without a hole"));
         };
         const Tally tally = ask_all<TestType>(form, shapes.back(), rays_of_each() / 5, draw);
         const std::string counts = words_of<TestType>(form, tally);
@@ -272,11 +273,11 @@ TEST_CASE("exact: a filter's formula alone gives wrong answers", "[exact][filter
         std::vector<Problem> problems(batch);
         std::vector<Answer> answers;
         draw_made(shape, true, {}, chance, problems);
-        for (Problem& p : problems) {
-            p.tmin = 0, p.tmax = INFINITY;
-            const auto number = [&p](std::size_t k) { return static_cast<float>(p.ray[k]); };
+        for (Problem& problem : problems) {
+            problem.tmin = 0, problem.tmax = INFINITY;
+            const auto number = [&problem](std::size_t k) { return static_cast<float>(problem.ray[k]); };
             const Ray<float> ray{{number(0), number(1), number(2)}, {number(3), number(4), number(5)}};
-            visit(primitive_of<float>(form, p), [&](const auto& primitive) {
+            visit(primitive_of<float>(form, problem), [&](const auto& primitive) {
                 if constexpr (requires { intersect::filter::first_span_hit(primitive.span(ray)); }) {
                     const auto met = intersect::filter::first_span_hit(primitive.span(ray));
                     answers.push_back(answer_of(met.hit, static_cast<double>(met.t), binary32, false));
@@ -298,10 +299,11 @@ TEST_CASE("exact: filters decide right and keep their bits in p16 and fp16", "[e
             std::vector<Problem> some(batch), asked;
             std::vector<Primitive<double>> primitives;
             draw_made(shape, true, {}, chance, some);
-            for (Problem& p : some) {
-                p.tmin = 0, p.tmax = INFINITY;
-                if (!std::ranges::all_of(p.ray, is_held) || !std::ranges::all_of(p.primitive, is_held)) continue;
-                asked.push_back(p), primitives.push_back(primitive_of<double>(form, p));
+            for (Problem& problem : some) {
+                problem.tmin = 0, problem.tmax = INFINITY;
+                if (!std::ranges::all_of(problem.ray, is_held) || !std::ranges::all_of(problem.primitive, is_held))
+                    continue;
+                asked.push_back(problem), primitives.push_back(primitive_of<double>(form, problem));
             }
             const auto in_format = [&](const auto&... batch_of) { form.rounded(format, batch_of...); };
             const ToCheck all(form, format, asked, ask<double>(in_format, asked, primitives));

@@ -26,23 +26,24 @@ namespace {
 using intersect::Direction, intersect::Facing, intersect::Roots, intersect::table::Intersector;
 
 template <class T>
-Ray<T> ray_of(const Problem& p) {
-    return {{T(p.ray[0]), T(p.ray[1]), T(p.ray[2])}, {T(p.ray[3]), T(p.ray[4]), T(p.ray[5])}};
+Ray<T> ray_of(const Problem& problem) {
+    return {{T(problem.ray[0]), T(problem.ray[1]), T(problem.ray[2])},
+            {T(problem.ray[3]), T(problem.ray[4]), T(problem.ray[5])}};
 }
-Primitive<double> primitive_of(const Shaped& shape, const Problem& p) {
+Primitive<double> primitive_of(const Shaped& shape, const Problem& problem) {
     Primitive<double> primitive(*shape_named(shape.name));
-    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = p.primitive[k];
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = problem.primitive[k];
     return primitive;
 }
 
 /// True if no decision is near: rays on both sides of it, changed by up to 2^-14 of all lengths, hit or miss the
 /// primitive as it does. A component of the direction that is 0 stays 0.
-bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
+bool is_clear(const Shaped& shape, const Problem& problem, Chance& chance) {
     double reach = 0;
-    for (std::size_t i = 0; i < 3; ++i) reach = std::fmax(reach, std::fabs(p.ray[i]));
-    for (const double x : p.primitive) reach = std::fmax(reach, std::fabs(x));
+    for (std::size_t i = 0; i < 3; ++i) reach = std::fmax(reach, std::fabs(problem.ray[i]));
+    for (const double x : problem.primitive) reach = std::fmax(reach, std::fabs(x));
     const auto meets = [&](const std::array<double, 6>& off, double sign) {
-        Problem beside = p;
+        Problem beside = problem;
         for (std::size_t k = 0; k < 6; ++k) beside.ray[k] += sign * off[k];
         return meet(shape.quickly, beside).is_hit();
     };
@@ -50,7 +51,7 @@ bool is_clear(const Shaped& shape, const Problem& p, Chance& chance) {
     const bool hit = meets({}, 0);
     for (int i = 0; i < 4; ++i) {
         std::array<double, 6> off{};
-        for (std::size_t k = 0; k < 6; ++k) off[k] = 0x1p-14 * chance.part() * (k < 3 ? reach : p.ray[k]);
+        for (std::size_t k = 0; k < 6; ++k) off[k] = 0x1p-14 * chance.part() * (k < 3 ? reach : problem.ray[k]);
         if (meets(off, 1) != hit || meets(off, -1) != hit || in_doubt) return false;
     }
     return true;
@@ -63,17 +64,17 @@ std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t 
     std::size_t misses = 0;
     while (clear.size() < count) {
         (made ? draw_made : draw_random)(shape, true, {}, chance, some);
-        for (Problem& p : some) {
-            p.tmin = 0, p.tmax = INFINITY;
+        for (Problem& problem : some) {
+            problem.tmin = 0, problem.tmax = INFINITY;
             double least = HUGE_VAL, most = 0;
-            const std::span<const double> ray(p.ray), primitive(p.primitive);
+            const std::span<const double> ray(problem.ray), primitive(problem.primitive);
             for (const auto& numbers : {ray, primitive})
                 for (const double x : numbers)
                     if (x != 0) least = std::fmin(least, std::fabs(x)), most = std::fmax(most, std::fabs(x));
             // Some forms compare with 10^-6 or 10^-4, whatever the unit.
-            if (least <= 0x1p-8 || most >= 0x1p16 || !is_clear(shape, p, chance)) continue;
-            if (!meet(shape.quickly, p).is_hit() && ++misses > count / 2) continue;
-            clear.push_back(p);
+            if (least <= 0x1p-8 || most >= 0x1p16 || !is_clear(shape, problem, chance)) continue;
+            if (!meet(shape.quickly, problem).is_hit() && ++misses > count / 2) continue;
+            clear.push_back(problem);
         }
     }
     clear.resize(count);
@@ -106,15 +107,15 @@ std::optional<Real> number_of(const Interval& x) {
 
 /// `size`: the number by which t is divided.
 template <class T>
-Unrounded told(const Hit<T>& h, const T& size) {
-    if (!is_certain(h.hit) && !is_certain(!h.hit)) return {};
-    return {is_certain(h.hit), number_of(h.t / size), number_of(h.near / size), number_of(h.far / size)};
+Unrounded told(const Hit<T>& hit, const T& size) {
+    if (!is_certain(hit.hit) && !is_certain(!hit.hit)) return {};
+    return {is_certain(hit.hit), number_of(hit.t / size), number_of(hit.near / size), number_of(hit.far / size)};
 }
 
 /// `made_unit`: for the normalised direction, in lengths of the stored direction.
 template <class T, class Form>
-Unrounded unrounded_in(const Problem& p, bool made_unit, const Form& form) {
-    Ray<T> ray = ray_of<T>(p);
+Unrounded unrounded_in(const Problem& problem, bool made_unit, const Form& form) {
+    Ray<T> ray = ray_of<T>(problem);
     if (!made_unit) return told(form(ray), T(1));
     const T size = length(ray.direction);
     for (int k = 0; k < 3; ++k) ray.direction[k] = ray.direction[k] / size;
@@ -123,21 +124,21 @@ Unrounded unrounded_in(const Problem& p, bool made_unit, const Form& form) {
 
 /// Computes a form without rounding. Enclosures do not decide solvers of degree four, so forms of tori are computed in
 /// numbers of 256 bits, and all others in intervals of 400 bits, which are compiled already.
-Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem& p, bool made_unit) {
+Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem& problem, bool made_unit) {
     Unrounded found;
     if (form.shape == Shape::torus) {
         intersect::torus::TorusForms::for_each([&]<class Form>() {
             if (&Form::info != form.info) return;
-            found = unrounded_in<Real>(p, made_unit, [&p](const Ray<Real>& ray) {
+            found = unrounded_in<Real>(problem, made_unit, [&problem](const Ray<Real>& ray) {
                 return intersect::intersect_numbers<Form, Real>(
-                    ray, [&p](std::size_t k) { return Real(p.primitive[k]); }, Real(HUGE_VAL));
+                    ray, [&problem](std::size_t k) { return Real(problem.primitive[k]); }, Real(HUGE_VAL));
             });
         });
         return found;
     }
     const Interval::Precision precision(400);
-    const auto primitive = convert_numbers(primitive_of(shape, p), [](double x) { return Interval(x); });
-    return unrounded_in<Interval>(p, made_unit,
+    const auto primitive = convert_numbers(primitive_of(shape, problem), [](double x) { return Interval(x); });
+    return unrounded_in<Interval>(problem, made_unit,
                                   [&](const Ray<Interval>& ray) { return form.interval(ray, primitive); });
 }
 
@@ -146,11 +147,11 @@ struct Tally {
     std::vector<Problem> problems;
     std::vector<Answer> answers;
 
-    void add(const Problem& p, const Answer& a) { problems.push_back(p), answers.push_back(a); }
+    void add(const Problem& problem, const Answer& a) { problems.push_back(problem), answers.push_back(a); }
 };
 
 /// True if this problem is among those for which a form promises an answer without rounding.
-bool is_requested(const intersect::Info& form, const Shaped& shape, const Problem& p, bool made) {
+bool is_requested(const intersect::Info& form, const Shaped& shape, const Problem& problem, bool made) {
     // This form treats a root d1 with |d1| < 1e-4 as 0: test_tori has the consequences.
     if (form.name == "torus.quilez") return false;
     // If two real roots are equal, the last remainder is 0. Rounded in any precision, it has a sign, which decides.
@@ -159,9 +160,9 @@ bool is_requested(const intersect::Info& form, const Shaped& shape, const Proble
     // Constructed rays pass corners as closely as the form pads.
     if (made && form.name == "box.max_mult") return false;
     // In box forms the order of operands decides what 0·∞ becomes: test_box_known has the consequences.
-    if (shape.name == "box" && p.ray[3] * p.ray[4] * p.ray[5] == 0) return false;
-    const Primitive<double> primitive = primitive_of(shape, p);
-    const Ray<double> ray = ray_of<double>(p);
+    if (shape.name == "box" && problem.ray[3] * problem.ray[4] * problem.ray[5] == 0) return false;
+    const Primitive<double> primitive = primitive_of(shape, problem);
+    const Ray<double> ray = ray_of<double>(problem);
     if (form.facing != Facing::both)
         return measure::truth::find_truth(ray, primitive, {}, form.convention()).is_hit() ==
                measure::truth::find_truth(ray, primitive).is_hit();
@@ -171,18 +172,18 @@ bool is_requested(const intersect::Info& form, const Shaped& shape, const Proble
 
 /// Adds the first t at which the form meets the ray. A form with both roots is also asked for the last one: it is the
 /// first of the ray that comes back.
-void ask(const Intersector& form, const Shaped& shape, const Problem& p, Tally& tally) {
-    const Unrounded h = unrounded(form, shape, p, form.info->direction == Direction::unit);
+void ask(const Intersector& form, const Shaped& shape, const Problem& problem, Tally& tally) {
+    const Unrounded h = unrounded(form, shape, problem, form.info->direction == Direction::unit);
     if (!h.hit || (*h.hit && !h.t)) return;
     ++tally.asked, tally.hits += *h.hit;
-    tally.add(p, answer_of(*h.hit, h.t.value_or(Real(0))));
+    tally.add(problem, answer_of(*h.hit, h.t.value_or(Real(0))));
     if (!*h.hit || form.info->roots != Roots::both || !h.far || form.info->name == "box.max_mult")
         return;  // which pads it
     const double from = std::exp2(2 + std::fmax(10, std::ilogb(h.far->convert_to<double>())));
-    Problem back = p;
+    Problem back = problem;
     for (std::size_t i = 0; i < 3; ++i) {
-        back.ray[i] += from * p.ray[i + 3], back.ray[i + 3] = -p.ray[i + 3];
-        if (back.ray[i] - from * p.ray[i + 3] != p.ray[i]) return;
+        back.ray[i] += from * problem.ray[i + 3], back.ray[i + 3] = -problem.ray[i + 3];
+        if (back.ray[i] - from * problem.ray[i + 3] != problem.ray[i]) return;
     }
     tally.add(back, answer_of(true, from - *h.far));
 }
@@ -223,7 +224,7 @@ struct Enclosures {
     /// Rounding to nearest lies between rounding down and up, so an interval of 53 bits holds the double of every step.
     /// Exceptions are forms that bound or pad by the unit roundoff, which intervals do not have, and filters, which
     /// compute other steps. The filter of boxes computes none of these.
-    void hold_double(const Intersector& row, const Problem& p, const Primitive<double>& primitive,
+    void hold_double(const Intersector& row, const Problem& problem, const Primitive<double>& primitive,
                      const Hit<Interval>& got) {
         const std::string_view form = row.info->name.substr(row.info->name.find('.') + 1);
         for (const char* const pads : {"pbrt_interval", "pbrt_padded", "embree_robust", "embree_padded", "bvh_robust"})
@@ -231,7 +232,7 @@ struct Enclosures {
         if (!row.native64 || (row.deciding_arithmetic && row.shape != Shape::box)) return;
         Hit<double> want{};
         std::uint8_t hit;
-        const auto column = [&p](std::size_t k) { return std::span<const double>(&p.ray[k], 1); };
+        const auto column = [&problem](std::size_t k) { return std::span<const double>(&problem.ray[k], 1); };
         row.native64({column(0), column(1), column(2), column(3), column(4), column(5)}, primitive,
                      {{&want.t, 1}, {&want.near, 1}, {&want.far, 1}, {&hit, 1}});
         const auto misses = [](const Interval& x, double v) { return !contains(x, Real(v)); };
@@ -294,8 +295,8 @@ TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]"
         for (const Intersector& form : intersect::table::intersectors(*shape_named(shape.name))) {
             Tally tally;
             for (const std::vector<Problem>* const all : {&random, &made})
-                for (const Problem& p : *all)
-                    if (is_requested(*form.info, shape, p, all == &made)) ask(form, shape, p, tally);
+                for (const Problem& problem : *all)
+                    if (is_requested(*form.info, shape, problem, all == &made)) ask(form, shape, problem, tally);
             if (tally.asked == 0) continue;
             const Findings f = check(shape, tally.problems, tally.answers, 1, 50);
             INFO(form.info->name << ": asked " << tally.asked << ", hits " << tally.hits << "; differ " << f.differ
@@ -318,10 +319,11 @@ TEST_CASE("exact: enclosures of every form contain its unrounded result", "[exac
         // A ray along a plane divides by 0, and solvers of degree four divide by numbers that may be 0 within their
         // bounds.
         if (shape.name != "torus") std::ranges::copy(clear_problems(shape, true, count), std::back_inserter(problems));
-        std::erase_if(problems, [](const Problem& p) { return p.ray[3] * p.ray[4] * p.ray[5] == 0; });
+        std::erase_if(problems,
+                      [](const Problem& problem) { return problem.ray[3] * problem.ray[4] * problem.ray[5] == 0; });
         for (const Intersector& form : intersect::table::intersectors(*shape_named(shape.name))) {
             Enclosures e{.by_other_steps = form.info->name == "torus.filtered"};
-            for (const Problem& p : problems) e.ask(form, shape, p);
+            for (const Problem& problem : problems) e.ask(form, shape, problem);
             INFO(form.info->name << ": decided " << e.decided[1] << " of " << e.asked[1] << " hits and " << e.decided[0]
                                  << " of " << e.asked[0] << " misses, bounded " << e.bounded << ", doubles "
                                  << e.doubles);

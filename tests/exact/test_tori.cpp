@@ -35,10 +35,12 @@ Hit<Real> unrounded(const Ray<double>& ray, const Torus<double>& torus) {
     return h;
 }
 
-Ray<double> ray_of(const Problem& p) { return {{p.ray[0], p.ray[1], p.ray[2]}, {p.ray[3], p.ray[4], p.ray[5]}}; }
+Ray<double> ray_of(const Problem& problem) {
+    return {{problem.ray[0], problem.ray[1], problem.ray[2]}, {problem.ray[3], problem.ray[4], problem.ray[5]}};
+}
 template <class E>
-std::pair<int, int> roots_in(const Problem& p) {
-    const Sturm<E> quartic = quartic_of(Asked<E>(p));
+std::pair<int, int> roots_in(const Problem& problem) {
+    const Sturm<E> quartic = quartic_of(Asked<E>(problem));
     return {quartic.all(), quartic.all() - quartic.up_to(E())};
 }
 /// Number of roots, and number of roots ahead.
@@ -85,9 +87,9 @@ TEST_CASE("Sturm chains find the wall of a torus from its planes of symmetry", "
             REQUIRE(truth.is_hit());
             const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
             CAPTURE(x, d.y, d.z, t);
-            const auto check = [t](const Hit<Real>& h) {
-                CHECK(h.hit);
-                CHECK(std::fabs(h.t.convert_to<double>() - t) < 1e-12 * t);
+            const auto check = [t](const Hit<Real>& hit) {
+                CHECK(hit.hit);
+                CHECK(std::fabs(hit.t.convert_to<double>() - t) < 1e-12 * t);
             };
             check(unrounded<intersect::torus::SturmTorus>(ray, torus));
             check(unrounded<intersect::torus::Bracketed>(ray, torus));
@@ -133,16 +135,16 @@ TEST_CASE("half an ulp in each number moves t of a torus by no more than its rea
     std::vector<Problem> problems(test::draws(std::size_t{4000}));
     for (const bool made : {false, true}) {
         (made ? draw_made : draw_random)(shapes[10], true, {}, chance, problems);
-        for (const Problem& p : problems) {
-            const Ray<double> ray = ray_of(p);
+        for (const Problem& problem : problems) {
+            const Ray<double> ray = ray_of(problem);
             Primitive<double> primitive(Shape::torus);
-            std::copy_n(p.primitive.begin(), primitive.shape_numbers().size(), primitive.numbers.begin());
+            std::copy_n(problem.primitive.begin(), primitive.shape_numbers().size(), primitive.numbers.begin());
             const Truth truth = find_truth(ray, primitive);
             if (!truth.is_hit() || truth.touches || truth.on_surface) continue;
             const double reach = test::reach_of_t(ray, primitive, truth.t, binary32);
             const auto roots = roots_of(ray, primitive);
             for (int k = 0; k < 4; ++k) {
-                Problem q = p;
+                Problem q = problem;
                 for (double& x : q.ray) x = moved(x);
                 const Primitive<double> other = convert_numbers(primitive, moved);
                 // Another root is another answer.

@@ -20,9 +20,10 @@ Vector cross(const Vector& a, const Vector& b) {
 
 /// With s = 1 fronts, with -1 backs, with 0 both.
 template <int s>
-Answer<float> triangle(const Ray<float>& ray, const Triangle<float>& t) {
+Answer<float> triangle(const Ray<float>& ray, const Triangle<float>& triangle) {
     const float none[3] = {};
-    const Vector d = from(none, ray.direction), e1 = from(t.a, t.b), e2 = from(t.a, t.c), o = from(t.a, ray.origin);
+    const Vector d = from(none, ray.direction), e1 = from(triangle.a, triangle.b), e2 = from(triangle.a, triangle.c),
+                 o = from(triangle.a, ray.origin);
     const Vector p = cross(d, e2), q = cross(o, e1);
     const double det = dot(e1, p), size = det < 0 ? -det : det, sign = det < 0 ? -1 : 1;
     const double u = sign * dot(o, p), v = sign * dot(d, q), far = sign * dot(e2, q);

@@ -44,10 +44,11 @@ std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::t
 }
 
 /// Compares a function's operations with its compiled code, in its own format.
-inline std::size_t differences(const intersect::function::UserFunction& f) {
-    const auto alone = f.written->make_intersector(f.answers->info);
-    if (f.answers->batch32) return differences(f.intersector.native32, alone.native32, f.intersector.shape);
-    return differences(f.intersector.native64, alone.native64, f.intersector.shape);
+inline std::size_t differences(const intersect::function::UserFunction& function) {
+    const auto alone = function.written->make_intersector(function.answers->info);
+    if (function.answers->batch32)
+        return differences(function.intersector.native32, alone.native32, function.intersector.shape);
+    return differences(function.intersector.native64, alone.native64, function.intersector.shape);
 }
 
 /// The text of a file with double in place of float, and float in place of double.

@@ -35,9 +35,7 @@ public:
 
 private:
     int below(int n) { return static_cast<int>(random_() % static_cast<std::uint64_t>(n)); }
-    std::string one_of(const std::vector<std::string>& words) {
-        return words[below(static_cast<int>(words.size()))];
-    }
+    std::string one_of(const std::vector<std::string>& words) { return words[below(static_cast<int>(words.size()))]; }
     std::string math(const std::string& name) { return type_ == "float" && below(4) > 0 ? name + "f" : name; }
 
     /// Writes something that can be assigned.

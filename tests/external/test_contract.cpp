@@ -80,8 +80,8 @@ ForeignForm renamed(const intersect::table::Intersector& row, int bits, bool fir
 
 std::map<std::string, std::string> broken_of(const ForeignForm& form, const ForeignForm* first = nullptr) {
     std::map<std::string, std::string> broken;
-    for (const Observation& f : try_contract(form, first))
-        if (f.verdict == Observation::Verdict::broken) broken[f.subject] = f.text;
+    for (const Observation& observation : try_contract(form, first))
+        if (observation.verdict == Observation::Verdict::broken) broken[observation.subject] = observation.text;
     return broken;
 }
 
@@ -281,9 +281,9 @@ TEST_CASE("contract: answers that change with each call allow no verdict on batc
     };
     std::set<std::string> judged;
     bool noted = false;
-    for (const Observation& f : try_contract(form)) {
-        if (f.verdict != Observation::Verdict::noted) judged.insert(f.subject);
-        noted = noted || (f.subject == "again" && f.verdict == Observation::Verdict::noted);
+    for (const Observation& observation : try_contract(form)) {
+        if (observation.verdict != Observation::Verdict::noted) judged.insert(observation.subject);
+        noted = noted || (observation.subject == "again" && observation.verdict == Observation::Verdict::noted);
     }
     CHECK(judged.contains("again"));
     CHECK(noted);
@@ -295,8 +295,8 @@ namespace {
 /// The one finding of the probe `edges`.
 Observation edges_of(const ForeignForm& form) {
     std::vector<Observation> found;
-    for (const Observation& f : try_contract(form))
-        if (f.subject == "edges") found.push_back(f);
+    for (const Observation& observation : try_contract(form))
+        if (observation.subject == "edges") found.push_back(observation);
     REQUIRE(found.size() == 1);
     return found.front();
 }

@@ -31,9 +31,9 @@ DerivedTape whole(const Tape& tape) {
 /// The values of a tape for a ray past a sphere, without rounding.
 double exact_t(Tape tape) {
     const std::vector<double> inputs{3, -2, 5, -0.625, 0.3125, -1.125, 0.25, -0.5, 0.75, 1.5};
-    for (TapeNode& n : tape.nodes)
-        if (n.op == TapeOp::input && static_cast<std::size_t>(n.operands[0]) < inputs.size())
-            n.value = inputs[n.operands[0]];
+    for (TapeNode& node : tape.nodes)
+        if (node.op == TapeOp::input && static_cast<std::size_t>(node.operands[0]) < inputs.size())
+            node.value = inputs[node.operands[0]];
     return measure::attribution::Rerun(tape, [](NodeId) { return false; })[tape.outputs.t];
 }
 
@@ -67,8 +67,8 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
             std::vector<NodeId> changed;
             const std::vector<NodeId> one{site};
             Tape made = rewrite_as_driver(whole(tape), k, &one, changed).tape;
-            for (TapeNode& n : made.nodes)  // a tape without values; a program needs those of constants
-                if (n.op == TapeOp::constant) n.value = n.operands[0];
+            for (TapeNode& node : made.nodes)  // a tape without values; a program needs those of constants
+                if (node.op == TapeOp::constant) node.value = node.operands[0];
             const TapeForm driver(program, f32, made, "driver", "");
             const DriverDifference found = find_driver_difference(driver.form(), program);
             CAPTURE(driver_rewriting_names()[k], site);

@@ -172,7 +172,9 @@ TEST_CASE("plugin: explain tries the forms of isolated or named libraries as a b
         "explain rtg-fig-7-3-4100-oblique --pixel 128,40 -i sphere.schoolbook -f f32 --json" + plugin("odd_plugin");
     const Scratch folder;
     const auto by = [&](const std::string& more) { return run(what + more, folder.path()); };
-    const auto lists = [](const Outcome& o, const std::string& form) { return has(o.out, "\"" + form + "\""); };
+    const auto lists = [](const Outcome& outcome, const std::string& form) {
+        return has(outcome.out, "\"" + form + "\"");
+    };
     const Outcome isolated = by(" --isolate --time-limit 1");
     INFO(isolated.err);
     CHECK(isolated.code == 0);

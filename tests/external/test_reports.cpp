@@ -72,7 +72,7 @@ TEST_CASE("reports: explain names the cause, and the repaired function is right"
         const char* repaired;
         std::string repaired_says;
     };
-    for (const Case& c : {
+    for (const Case& case_ : {
              Case{".cpp:tinybvh::triangle",
                   small,
                   {"reports a miss, but the ray hits at 1: a false miss",
@@ -123,11 +123,11 @@ TEST_CASE("reports: explain names the cause, and the repaired function is right"
                   ".cpp:glm::plane_repaired",
                   "a correct miss"},
          }) {
-        CAPTURE(c.named);
-        if (!can_compile(c.named)) continue;
-        const std::string text = explained(c.named, c.ray);
-        for (const std::string& part : c.says) CHECK(Has(text, part));
-        CHECK(Has(explained(c.repaired, c.ray), c.repaired_says));
+        CAPTURE(case_.named);
+        if (!can_compile(case_.named)) continue;
+        const std::string text = explained(case_.named, case_.ray);
+        for (const std::string& part : case_.says) CHECK(Has(text, part));
+        CHECK(Has(explained(case_.repaired, case_.ray), case_.repaired_says));
     }
 }
 

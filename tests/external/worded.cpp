@@ -50,62 +50,62 @@ using Form32 = Answer<float>(const Ray<float>&, const Primitive&);
 /// Returns one root, or a miss if it is not ahead.
 Answer<float> ahead(double t) { return t >= 0 ? Answer<float>(static_cast<float>(t)) : miss; }
 
-Answer<float> unsigned_near(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Answer<float> unsigned_near(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     return r.hit && r.far >= 0 ? ahead(std::fabs(r.near)) : miss;
 }
-Answer<float> touch_is_zero(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Answer<float> touch_is_zero(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     if (!r.hit || r.far < 0) return miss;
     return r.near == r.far ? Answer<float>(0.0F) : ahead(r.near < 0 ? r.far : r.near);
 }
-Answer<float> with_tmin(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Answer<float> with_tmin(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     if (!r.hit || r.far < 1e-4) return miss;
     return ahead(r.near < 1e-4 ? r.far : r.near);
 }
 template <class Primitive>
-Answer<float> clipped(const Ray<float>& ray, const Primitive& s) {
-    const Roots r = roots(ray, s);
+Answer<float> clipped(const Ray<float>& ray, const Primitive& primitive) {
+    const Roots r = roots(ray, primitive);
     if (!r.hit || r.far < 0) return miss;
     return {static_cast<float>(std::max(r.near, 0.0)), static_cast<float>(r.far)};
 }
 /// The same, but ignores a surface that the ray leaves.
-Answer<float> clipped_ahead(const Ray<float>& ray, const Sphere<float>& s) {
-    const Answer<float> interval = clipped(ray, s);
+Answer<float> clipped_ahead(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Answer<float> interval = clipped(ray, sphere);
     return interval.hit && interval.far > 0 ? interval : miss;
 }
 template <class Primitive>
-Answer<float> zero_inside(const Ray<float>& ray, const Primitive& s) {
-    const Roots r = roots(ray, s);
+Answer<float> zero_inside(const Ray<float>& ray, const Primitive& primitive) {
+    const Roots r = roots(ray, primitive);
     return r.hit && r.far >= 0 ? ahead(std::max(r.near, 0.0)) : miss;
 }
 template <class Primitive>
-Answer<float> exit_inside(const Ray<float>& ray, const Primitive& s) {
-    const Roots r = roots(ray, s);
+Answer<float> exit_inside(const Ray<float>& ray, const Primitive& primitive) {
+    const Roots r = roots(ray, primitive);
     return r.hit ? ahead(r.near < 0 ? r.far : r.near) : miss;
 }
 /// Never hits the surface on which the ray starts if the ray goes in, and always if it goes out.
-Answer<float> exit_at_origin(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Answer<float> exit_at_origin(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     return r.hit ? ahead(r.near > 0 ? r.near : r.far) : miss;
 }
 template <class Primitive>
-Answer<float> misses_inside(const Ray<float>& ray, const Primitive& s) {
-    const Roots r = roots(ray, s);
+Answer<float> misses_inside(const Ray<float>& ray, const Primitive& primitive) {
+    const Roots r = roots(ray, primitive);
     return r.hit ? ahead(r.near) : miss;
 }
-Answer<float> signed_near(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Answer<float> signed_near(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     return r.hit ? Answer<float>(static_cast<float>(r.near)) : miss;
 }
 /// Decides by the signs of three edges and t; for the open triangle an edge is outside, and so is t = 0.
 template <bool open>
-Answer<float> triangle(const Ray<float>& r, const Triangle<float>& s) {
+Answer<float> triangle(const Ray<float>& r, const Triangle<float>& triangle) {
     double v[3][3];
     for (int k = 0; k < 3; ++k)
-        v[0][k] = double(s.a[k]) - r.origin[k], v[1][k] = double(s.b[k]) - r.origin[k],
-        v[2][k] = double(s.c[k]) - r.origin[k];
+        v[0][k] = double(triangle.a[k]) - r.origin[k], v[1][k] = double(triangle.b[k]) - r.origin[k],
+        v[2][k] = double(triangle.c[k]) - r.origin[k];
     const auto sign = [&](const double(&a)[3], const double(&b)[3]) {
         return r.direction[0] * (a[1] * b[2] - a[2] * b[1]) + r.direction[1] * (a[2] * b[0] - a[0] * b[2]) +
                r.direction[2] * (a[0] * b[1] - a[1] * b[0]);
@@ -120,8 +120,8 @@ Answer<float> triangle(const Ray<float>& r, const Triangle<float>& s) {
     return t < 0 || (open && t == 0) ? miss : Answer<float>(static_cast<float>(t));
 }
 /// Returns the first root in the range of the ray; from inside a box, the beginning of the range.
-Answer<float> in_range(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Answer<float> in_range(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     if (!r.hit) return miss;
     const float near = static_cast<float>(r.near), far = static_cast<float>(r.far), t = near < ray.start ? far : near;
     return t >= ray.start && t <= ray.end ? Answer<float>(t) : miss;
@@ -131,24 +131,24 @@ Answer<float> box_in_range(const Ray<float>& ray, const Box<float>& b) {
     const float near = std::max(static_cast<float>(r.near), ray.start);
     return r.hit && near <= static_cast<float>(r.far) && near <= ray.end ? Answer<float>(near) : miss;
 }
-bool sphere_blocks(const Ray<float>& ray, const Sphere<float>& s) { return in_range(ray, s).hit; }
-Answer<float> open_at_start(const Ray<float>& ray, const Sphere<float>& s) {
-    const Answer<float> a = in_range(ray, s);
+bool sphere_blocks(const Ray<float>& ray, const Sphere<float>& sphere) { return in_range(ray, sphere).hit; }
+Answer<float> open_at_start(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Answer<float> a = in_range(ray, sphere);
     return a.hit && a.near == ray.start ? Answer<float>(miss) : a;
 }
-Answer<float> forgets_the_start(const Ray<float>& ray, const Sphere<float>& s) {
-    const Answer<float> a = exit_inside(ray, s);
+Answer<float> forgets_the_start(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Answer<float> a = exit_inside(ray, sphere);
     return a.hit && a.near <= ray.end ? a : Answer<float>(miss);
 }
 /// Does what much public code does in a debug build.
-Answer<float> insists(const Ray<float>& ray, const Sphere<float>& s) {
+Answer<float> insists(const Ray<float>& ray, const Sphere<float>& sphere) {
     const float* const d = ray.direction;
     if (!(std::fabs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-3F)) std::abort();
-    return exit_inside(ray, s);
+    return exit_inside(ray, sphere);
 }
-Answer<float> insists_on_numbers(const Ray<float>& ray, const Sphere<float>& s) {
+Answer<float> insists_on_numbers(const Ray<float>& ray, const Sphere<float>& sphere) {
     if (std::isnan(ray.origin[2])) std::abort();
-    return exit_inside(ray, s);
+    return exit_inside(ray, sphere);
 }
 bool endless(const Ray<float>& ray, const Box<float>& b) {
     const Roots r = roots(ray, b);
@@ -182,17 +182,17 @@ Answer<float> of_centre(const Ray<float>& ray, const CentreBox<float>& b) {
 Answer<float> of_origin(const Ray<float>& ray, const SphereAtOrigin<float>& s) {
     return exit_inside(ray, Sphere<float>{{0, 0, 0}, s.radius});
 }
-Thickness<float> thickness(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Thickness<float> thickness(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     if (!r.hit) return miss;
     return {static_cast<float>(r.near), static_cast<float>(r.far - r.near)};
 }
-Answer<float> thickness_for_far(const Ray<float>& ray, const Sphere<float>& s) {
-    const Thickness<float> t = thickness(ray, s);
+Answer<float> thickness_for_far(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Thickness<float> t = thickness(ray, sphere);
     return t.hit ? Answer<float>(t.near, t.thickness) : miss;
 }
-Points<float> points(const Ray<float>& ray, const Sphere<float>& s) {
-    const Roots r = roots(ray, s);
+Points<float> points(const Ray<float>& ray, const Sphere<float>& sphere) {
+    const Roots r = roots(ray, sphere);
     if (!r.hit) return miss;
     float near[3], far[3];
     for (int k = 0; k < 3; ++k) {

@@ -88,21 +88,21 @@ TEST_CASE("the seed's forms come first, and every form has the contract it docum
         return names;
     };
     using Names = std::set<std::string_view>;
-    CHECK(names_where([](const Info& f) { return f.direction == intersect::Direction::unit; }) ==
+    CHECK(names_where([](const Info& info) { return info.direction == intersect::Direction::unit; }) ==
           Names{"sphere.unit_half_b", "sphere.unified_unit", "sphere.pythagoras"});
-    CHECK(names_where([](const Info& f) { return f.roots == intersect::Roots::near_only; }) ==
+    CHECK(names_where([](const Info& info) { return info.roots == intersect::Roots::near_only; }) ==
           Names{"sphere.unit_half_b", "sphere.expanded"});
-    CHECK(names_where([](const Info& f) { return f.roots == intersect::Roots::first_only; }) ==
+    CHECK(names_where([](const Info& info) { return info.roots == intersect::Roots::first_only; }) ==
           Names{"sphere.early_exit", "sphere.filtered"});
-    CHECK(names_where([](const Info& f) { return f.touching == intersect::Touching::miss; }) ==
+    CHECK(names_where([](const Info& info) { return info.touching == intersect::Touching::miss; }) ==
           Names{"sphere.schoolbook_strict", "sphere.two_step"});
-    CHECK(names_where([](const Info& f) { return f.at_origin == intersect::AtOrigin::miss; }) ==
+    CHECK(names_where([](const Info& info) { return info.at_origin == intersect::AtOrigin::miss; }) ==
           Names{"sphere.pbrt_interval"});
-    CHECK(names_where([](const Info& f) { return f.formats == intersect::Formats::binary32_only; }) ==
+    CHECK(names_where([](const Info& info) { return info.formats == intersect::Formats::binary32_only; }) ==
           Names{"sphere.double_inside"});
-    CHECK(names_where([](const Info& f) { return f.touching == intersect::Touching::miss; }, Shape::box) ==
+    CHECK(names_where([](const Info& info) { return info.touching == intersect::Touching::miss; }, Shape::box) ==
           Names{"box.baseline", "box.exclusive"});
-    CHECK(names_where([](const Info& f) { return f.at_origin == intersect::AtOrigin::miss; }, Shape::triangle) ==
+    CHECK(names_where([](const Info& info) { return info.at_origin == intersect::AtOrigin::miss; }, Shape::triangle) ==
           Names{"triangle.undivided", "triangle.woop", "triangle.woop_double", "triangle.woop_once", "triangle.pbrt",
                 "triangle.baldwin_weber"});
 }

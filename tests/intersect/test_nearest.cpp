@@ -41,8 +41,8 @@ template <class S>
 bool is_apex(const S&, const Vec<double>&) {
     return false;
 }
-bool is_apex(const Cone<double>& s, const Vec<double>& on) {
-    return s.top_radius == 0 && length(Vec<double>(on - s.top)) < 0x1p-30;
+bool is_apex(const Cone<double>& cone, const Vec<double>& on) {
+    return cone.top_radius == 0 && length(Vec<double>(on - cone.top)) < 0x1p-30;
 }
 
 /// The point is on the surface, at most as far as `distance` says; its normal has length one and points away from the

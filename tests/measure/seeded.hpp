@@ -52,16 +52,16 @@ private:
 };
 
 /// x in the storage format: binary32 or binary64.
-inline double stored(double x, const FloatFormat& f) {
-    return f == binary32 ? static_cast<double>(static_cast<float>(x)) : x;
+inline double stored(double x, const FloatFormat& format) {
+    return format == binary32 ? static_cast<double>(static_cast<float>(x)) : x;
 }
-inline Vec<double> stored(const Vec<double>& v, const FloatFormat& f) {
-    return {stored(v.x, f), stored(v.y, f), stored(v.z, f)};
+inline Vec<double> stored(const Vec<double>& v, const FloatFormat& format) {
+    return {stored(v.x, format), stored(v.y, format), stored(v.z, format)};
 }
 
 /// The stored number `ulps` places further from zero (nearer if negative); stays finite and keeps its sign.
-inline double nudged(double x, std::int64_t ulps, const FloatFormat& f) {
-    if (f == binary32) {
+inline double nudged(double x, std::int64_t ulps, const FloatFormat& format) {
+    if (format == binary32) {
         const auto size =
             static_cast<std::int64_t>(std::bit_cast<std::uint32_t>(static_cast<float>(std::fabs(x)))) + ulps;
         const std::int64_t inside = std::clamp<std::int64_t>(size, 0, 0x7f7fffff);

@@ -113,9 +113,9 @@ inline int evaluate(Op op, Mpfr& out, const Points& x, mpfr_rnd_t round) {
 /// MPFR's exponent range for the lifetime of the scope. Its significands lie in [1/2, 1): exponents are one higher.
 class ExponentRange {
 public:
-    explicit ExponentRange(const FloatFormat& f) : low_(mpfr_get_emin()), high_(mpfr_get_emax()) {
-        mpfr_set_emin(f.emin - f.precision + 2);
-        mpfr_set_emax(f.emax + 1);
+    explicit ExponentRange(const FloatFormat& format) : low_(mpfr_get_emin()), high_(mpfr_get_emax()) {
+        mpfr_set_emin(format.emin - format.precision + 2);
+        mpfr_set_emax(format.emax + 1);
     }
     ~ExponentRange() {
         mpfr_set_emin(low_);
@@ -129,22 +129,22 @@ private:
 };
 
 /// The exact result rounded once, to nearest even, into the format. Operands are numbers of the format.
-inline double correctly_rounded(Op op, const Mpfr& a, const Mpfr& b, const Mpfr& c, const FloatFormat& f) {
-    const ExponentRange range(f);
-    Mpfr r(f.precision);
+inline double correctly_rounded(Op op, const Mpfr& a, const Mpfr& b, const Mpfr& c, const FloatFormat& format) {
+    const ExponentRange range(format);
+    Mpfr r(format.precision);
     const int inexact = evaluate(op, r, {a, b, c}, MPFR_RNDN);
     mpfr_subnormalize(r, inexact, MPFR_RNDN);
     return mpfr_get_d(r, MPFR_RNDN);
 }
 
-inline double correctly_rounded(Op op, double a, double b, double c, const FloatFormat& f) {
-    return correctly_rounded(op, Mpfr(a, 53), Mpfr(b, 53), Mpfr(c, 53), f);
+inline double correctly_rounded(Op op, double a, double b, double c, const FloatFormat& format) {
+    return correctly_rounded(op, Mpfr(a, 53), Mpfr(b, 53), Mpfr(c, 53), format);
 }
 
 /// Any MPFR number rounded once into the format.
-inline double nearest(const Mpfr& x, const FloatFormat& f) {
-    const ExponentRange range(f);
-    Mpfr r(f.precision);
+inline double nearest(const Mpfr& x, const FloatFormat& format) {
+    const ExponentRange range(format);
+    Mpfr r(format.precision);
     const int inexact = mpfr_set(r, x, MPFR_RNDN);
     const int checked = mpfr_check_range(r, inexact, MPFR_RNDN);
     mpfr_subnormalize(r, checked, MPFR_RNDN);

@@ -92,8 +92,7 @@ void try_pair(const Known& a, const Known& b, std::array<long, count>& broken) {
                                     x < y ? y : x};
             for (int k = 0; k < below; ++k) {
                 if (k == signed_as && std::isnan(y)) continue;
-                broken[k] +=
-                    k == quotient ? !holds_quotient(results[k], x, y) : !holds(results[k], exact[k]);
+                broken[k] += k == quotient ? !holds_quotient(results[k], x, y) : !holds(results[k], exact[k]);
             }
             broken[below] += !holds_decision(lower, x < y);
             broken[at_most] += !holds_decision(no_higher, x <= y);
@@ -135,9 +134,7 @@ TEST_CASE("four bits: every bound of an operation on one number holds", "[number
 TEST_CASE("four bits: every bound of a fused product holds", "[number][bounded]") {
     const std::vector<Known> all = operands(true);
     Random random(34);
-    const auto one = [&]() -> const Known& {
-        return all[random.between(0, static_cast<long>(all.size()) - 1)];
-    };
+    const auto one = [&]() -> const Known& { return all[random.between(0, static_cast<long>(all.size()) - 1)]; };
     long broken = 0;
     for (int i = 0; i < 300000; ++i) {
         const Known &a = one(), &b = one(), &c = one();

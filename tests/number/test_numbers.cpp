@@ -25,12 +25,12 @@ struct Neighbours {
 };
 
 /// The law that these neighbours break, or nothing.
-std::string_view broken_law(const Neighbours& n, const FloatFormat& f) {
+std::string_view broken_law(const Neighbours& n, const FloatFormat& format) {
     if (std::isnan(n.x)) return std::isnan(n.up) && std::isnan(n.down) ? "" : "a NaN has no neighbour that is a number";
     if (!same_number(n.down, -n.up_of_negative)) return "down of x is minus up of -x";
     if (n.x == HUGE_VAL) return n.up == n.x ? "" : "infinity has no neighbour above";
     if (!(n.up > n.x)) return "the neighbour above is greater";
-    if (!same_number(nearest(Mpfr(n.up, 53), f), n.up)) return "the neighbour is a number of the format";
+    if (!same_number(nearest(Mpfr(n.up, 53), format), n.up)) return "the neighbour is a number of the format";
     if (std::isinf(n.up) || std::isinf(n.x)) return "";
     if (n.down_of_up != n.x) return "down of up of x is x";
     // IEEE 754 nextUp of the largest negative number is −0.
@@ -39,7 +39,7 @@ std::string_view broken_law(const Neighbours& n, const FloatFormat& f) {
     Mpfr middle(n.x, 60);
     mpfr_add_d(middle, middle, n.up, MPFR_RNDN);
     mpfr_div_ui(middle, middle, 2, MPFR_RNDN);
-    const double rounded = nearest(middle, f);
+    const double rounded = nearest(middle, format);
     return rounded == n.x || rounded == n.up ? "" : "no number lies between the two";
 }
 

@@ -15,12 +15,12 @@ namespace {
 /// 2^-shift. Twice the midpoints of neighbours are integers too.
 class TinyFractions {
 public:
-    explicit TinyFractions(const FloatFormat& f) : shift_(f.precision - 1 - f.emin) {
-        const long hidden = 1L << (f.precision - 1);
+    explicit TinyFractions(const FloatFormat& format) : shift_(format.precision - 1 - format.emin) {
+        const long hidden = 1L << (format.precision - 1);
         for (long k = 0; k < hidden; ++k) numbers_.push_back(k);
-        for (int e = f.emin; e <= f.emax; ++e)
-            for (long k = hidden; k < 2 * hidden; ++k) numbers_.push_back(k << (e - f.emin));
-        numbers_.push_back(2 * hidden << (f.emax - f.emin));  // what overflow rounds to
+        for (int e = format.emin; e <= format.emax; ++e)
+            for (long k = hidden; k < 2 * hidden; ++k) numbers_.push_back(k << (e - format.emin));
+        numbers_.push_back(2 * hidden << (format.emax - format.emin));  // what overflow rounds to
     }
 
     /// Every operand: both signs, the infinities and NaN.
@@ -75,50 +75,50 @@ private:
 
 constexpr Op rounding_ops[] = {Op::add, Op::subtract, Op::multiply, Op::divide, Op::root, Op::fused};
 
-double fast(Op op, double a, double b, double c, const FloatFormat& f) {
+double fast(Op op, double a, double b, double c, const FloatFormat& format) {
     switch (op) {
-        case Op::add: return rounding::add(a, b, f);
-        case Op::subtract: return rounding::add(a, -b, f);
-        case Op::multiply: return rounding::mul(a, b, f);
-        case Op::divide: return rounding::div(a, b, f);
-        case Op::root: return rounding::sqrt(a, f);
-        default: return rounding::fma(a, b, c, f);
+        case Op::add: return rounding::add(a, b, format);
+        case Op::subtract: return rounding::add(a, -b, format);
+        case Op::multiply: return rounding::mul(a, b, format);
+        case Op::divide: return rounding::div(a, b, format);
+        case Op::root: return rounding::sqrt(a, format);
+        default: return rounding::fma(a, b, c, format);
     }
 }
 
-double plain(Op op, double a, double b, double c, const FloatFormat& f) {
+double plain(Op op, double a, double b, double c, const FloatFormat& format) {
     switch (op) {
-        case Op::add: return rounding::add_reference(a, b, f);
-        case Op::subtract: return rounding::add_reference(a, -b, f);
-        case Op::multiply: return rounding::mul_reference(a, b, f);
-        case Op::divide: return rounding::div_reference(a, b, f);
-        case Op::root: return rounding::sqrt_reference(a, f);
-        default: return rounding::fma_reference(a, b, c, f);
+        case Op::add: return rounding::add_reference(a, b, format);
+        case Op::subtract: return rounding::add_reference(a, -b, format);
+        case Op::multiply: return rounding::mul_reference(a, b, format);
+        case Op::divide: return rounding::div_reference(a, b, format);
+        case Op::root: return rounding::sqrt_reference(a, format);
+        default: return rounding::fma_reference(a, b, c, format);
     }
 }
 
-std::string describe(Op op, double a, double b, double c, const FloatFormat& f) {
+std::string describe(Op op, double a, double b, double c, const FloatFormat& format) {
     return std::string(op_names[static_cast<int>(op)]) + " a = " + Mpfr(a, 53).text() + " b = " + Mpfr(b, 53).text() +
-           " c = " + Mpfr(c, 53).text() + " p" + std::to_string(f.precision) + " [" + std::to_string(f.emin) + ", " +
-           std::to_string(f.emax) + "]";
+           " c = " + Mpfr(c, 53).text() + " p" + std::to_string(format.precision) + " [" + std::to_string(format.emin) +
+           ", " + std::to_string(format.emax) + "]";
 }
 
 }  // namespace
 
 TEST_CASE("every pair of a tiny format rounds as exact fractions do", "[number][rounded]") {
-    for (const FloatFormat& f :
+    for (const FloatFormat& format :
          {FloatFormat{2, -3, 3}, FloatFormat{3, -4, 4}, FloatFormat{4, -2, 5}, FloatFormat{5, -5, 5}}) {
-        const TinyFractions tiny(f);
+        const TinyFractions tiny(format);
         const std::vector<double> all = tiny.operands();
         long wrong = 0, seen = 0;
         for (const Op op : {Op::add, Op::subtract, Op::multiply, Op::divide, Op::root})
             for (const double a : all)
                 for (const double b : all) {
                     const double want = tiny.rounded(op, a, b, 0);
-                    const bool good = same_number(fast(op, a, b, 0, f), want) &&
-                                      same_number(plain(op, a, b, 0, f), want) &&
-                                      same_number(correctly_rounded(op, a, b, 0, f), want);
-                    if (!good && wrong++ == 0) UNSCOPED_INFO(describe(op, a, b, 0, f) << ": want " << want);
+                    const bool good = same_number(fast(op, a, b, 0, format), want) &&
+                                      same_number(plain(op, a, b, 0, format), want) &&
+                                      same_number(correctly_rounded(op, a, b, 0, format), want);
+                    if (!good && wrong++ == 0) UNSCOPED_INFO(describe(op, a, b, 0, format) << ": want " << want);
                     ++seen;
                 }
         CHECK(wrong == 0);
@@ -175,16 +175,16 @@ TEST_CASE("every precision from 2 to 53 rounds correctly at run time", "[number]
     Random random(53);
     long wrong = 0;
     for (int p = 2; p <= 53; ++p)
-        for (const FloatFormat& f :
+        for (const FloatFormat& format :
              {FloatFormat{p, -1022, 1023}, FloatFormat{p, -126, 127}, FloatFormat{p, -14, 15}, FloatFormat{p, -1, 1}}) {
-            const CurrentFormat::Scope scope(f);
+            const CurrentFormat::Scope scope(format);
             for (const Op op : rounding_ops)
                 for (int i = 0; i < 800; ++i) {
-                    const auto [a, b, c] = draw_operands(random, f, op);
+                    const auto [a, b, c] = draw_operands(random, format, op);
                     const double got = apply(op, RoundedAny(a), RoundedAny(b), RoundedAny(c)).value();
-                    const bool good = same_number(got, correctly_rounded(op, a, b, c, f));
+                    const bool good = same_number(got, correctly_rounded(op, a, b, c, format));
                     if (!good && wrong++ < 3)
-                        UNSCOPED_INFO(describe(op, a, b, c, f) << " gives " << Mpfr(got, 53).text());
+                        UNSCOPED_INFO(describe(op, a, b, c, format) << " gives " << Mpfr(got, 53).text());
                 }
         }
     CHECK(wrong == 0);
@@ -213,15 +213,15 @@ TEST_CASE("converting a double to a format rounds once", "[number][rounded]") {
 TEST_CASE("the fast paths agree with their plain versions bit for bit", "[number][rounded]") {
     Random random(1971);
     long wrong = 0;
-    for (const FloatFormat& f :
+    for (const FloatFormat& format :
          {binary16, bfloat16, tensor_float32, binary32, binary64, FloatFormat{2, -1022, 1023},
           FloatFormat{26, -1022, 1023}, FloatFormat{27, -1022, 1023}, FloatFormat{51, -1022, 1023},
           FloatFormat{52, -1022, 1023}, FloatFormat{52, -126, 127}})
         for (const Op op : rounding_ops)
             for (int i = 0; i < 40000; ++i) {
-                const auto [a, b, c] = draw_operands(random, f, op);
-                const bool good = same_number(fast(op, a, b, c, f), plain(op, a, b, c, f));
-                if (!good && wrong++ < 3) UNSCOPED_INFO(describe(op, a, b, c, f));
+                const auto [a, b, c] = draw_operands(random, format, op);
+                const bool good = same_number(fast(op, a, b, c, format), plain(op, a, b, c, format));
+                if (!good && wrong++ < 3) UNSCOPED_INFO(describe(op, a, b, c, format));
             }
     CHECK(wrong == 0);
 }

@@ -1,6 +1,6 @@
-// RunningError, of one word and of two, and ProvingNumber, of floats and doubles, against intervals of thousands of bits: every
-// operation holds the exact result of every number that it was given, over all exponents; no comparison is decided
-// wrongly, and none by a bound that is infinite or NaN. The words of ProvingNumber are the format's own.
+// RunningError, of one word and of two, and ProvingNumber, of floats and doubles, against intervals of thousands of
+// bits: every operation holds the exact result of every number that it was given, over all exponents; no comparison is
+// decided wrongly, and none by a bound that is infinite or NaN. The words of ProvingNumber are the format's own.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -152,7 +152,7 @@ template <class N>
 void operations_hold(double least) {
     for (const Op op : every_op) {
         const Tried tried = try_operation<N>(op, draws<std::size_t>(200'000));
-        INFO(op_names[op] << " of " << tried.first_wrong);
+        INFO(op_names[static_cast<std::size_t>(op)] << " of " << tried.first_wrong);
         CHECK(tried.wrong == 0);
         CHECK(tried.finite > draws<std::size_t>(200'000) / 20);
         // A bound that is much larger than necessary would settle nothing.
@@ -288,7 +288,7 @@ TEST_CASE("bounds add no operation to a tape, and a selection records both of it
         CHECK(tape[c.word().node()].op == TapeOp::select);
         CHECK(static_cast<float>(c.word().value().value()) == (x < y ? x * y : x + y));
         std::vector<TapeOp> operations;
-        for (const TapeNode& n : tape.nodes) operations.push_back(n.op);
+        for (const TapeNode& node : tape.nodes) operations.push_back(node.op);
         CHECK(std::ranges::count(operations, TapeOp::mul) == 1);
         CHECK(std::ranges::count(operations, TapeOp::add) == 1);
         return operations;

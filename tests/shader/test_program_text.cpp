@@ -18,8 +18,8 @@ ShaderSource shader_of(const std::string& text) {
     ShaderSource shader;
     shader.path = "a.glsl";
     shader.text = text;
-    for (const Function& f : find_functions(code_tokens(split_into_tokens(text)))) {
-        if (const auto s = read_signature(f)) shader.signature = *s;
+    for (const Function& function : find_functions(code_tokens(split_into_tokens(text)))) {
+        if (const auto s = read_signature(function)) shader.signature = *s;
     }
     return shader;
 }

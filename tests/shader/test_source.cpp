@@ -29,9 +29,9 @@ private:
     lostbits::test::ScratchFile file_;
 };
 
-std::string joined(const Signature& s) {
+std::string joined(const Signature& signature) {
     std::string all;
-    for (const std::string& a : s.arguments) all += (all.empty() ? "" : " ") + a;
+    for (const std::string& a : signature.arguments) all += (all.empty() ? "" : " ") + a;
     return all;
 }
 

@@ -161,7 +161,7 @@ private:
     /// Adds the results for the fixed inputs.
     void add_special_values(Arithmetic& arithmetic) const {
         const auto add = [&](const char* key, const char* value) { add_fact(arithmetic, key, value); };
-        const auto value_of = [this](FixedInput input) { return inputs_[input][0]; };
+        const auto value_of = [this](FixedInput input) { return inputs_[static_cast<std::size_t>(input)][0]; };
         const bool keeps_subnormal_inputs = answer_to(FixedInput::subnormal_plus_zero, ProbedOperation::add) ==
                                                 value_of(FixedInput::subnormal_plus_zero) &&
                                             answer_to(FixedInput::subnormal_times_one, ProbedOperation::multiply) ==
@@ -178,7 +178,7 @@ private:
     }
 
     [[nodiscard]] S answer_to(std::size_t i, ProbedOperation operation) const {
-        return answers_[i][operation];
+        return answers_[i][static_cast<std::size_t>(operation)];
     }
     [[nodiscard]] S answer_to(FixedInput input, ProbedOperation operation) const {
         return answer_to(static_cast<std::size_t>(input), operation);

@@ -50,36 +50,37 @@ void require_line(const std::string& text, const char* field, const std::string&
 }
 
 /// Throws InputError if another property of a contract contradicts the roots that the form yields.
-void require_roots(const Contract& c, const std::string& message_prefix) {
-    const bool has_both = c.roots == Roots::both, near_only = c.roots == Roots::near_only;
+void require_roots(const Contract& contract, const std::string& message_prefix) {
+    const bool has_both = contract.roots == Roots::both, near_only = contract.roots == Roots::near_only;
 
     // LB_LINE and LB_CLIPPED describe the roots.
-    if ((c.flags & LB_LINE) != 0 && !has_both && !near_only)
+    if ((contract.flags & LB_LINE) != 0 && !has_both && !near_only)
         throw InputError(message_prefix +
                          ": line needs roots = both or near: lostbits takes the first of these roots that lies ahead; "
                          "set roots, or leave line out");
-    if ((c.flags & LB_CLIPPED) != 0 && !has_both)
+    if ((contract.flags & LB_CLIPPED) != 0 && !has_both)
         throw InputError(message_prefix + ": clipped describes an interval, so it needs roots = both");
-    const bool exits_from_inside = !inside_returns_zero(c.shape) || c.inside == Inside::exit;
-    if ((c.flags & LB_CLIPPED) != 0 && exits_from_inside && c.at_origin == AtOrigin::hit)
+    const bool exits_from_inside = !inside_returns_zero(contract.shape) || contract.inside == Inside::exit;
+    if ((contract.flags & LB_CLIPPED) != 0 && exits_from_inside && contract.at_origin == AtOrigin::hit)
         throw InputError(message_prefix +
                          ": with near clipped to 0, a surface at the origin looks the same as one behind it; set "
                          "at_origin = exit or miss");
 
     // LB_RANGE limits the answer to the range in the form itself.
-    if ((c.flags & LB_RANGE) != 0 && (has_both || near_only))
+    if ((contract.flags & LB_RANGE) != 0 && (has_both || near_only))
         throw InputError(
             message_prefix +
             ": range needs roots = first or none: the form itself answers within the range; leave range out, "
             "and lostbits takes the first of near and far that lies in the range");
-    if ((c.flags & LB_RANGE) != 0 && (c.flags & LB_NO_END) != 0)
+    if ((contract.flags & LB_RANGE) != 0 && (contract.flags & LB_NO_END) != 0)
         throw InputError(message_prefix +
                          ": range and no_end contradict each other: with range, the form takes the end of the ray into "
                          "account; leave one of them out");
 
     // The answer from inside must be a root that the form yields.
-    if (c.inside == Inside::near && !near_only) throw InputError(message_prefix + ": inside = near needs roots = near");
-    if (c.inside == Inside::exit && near_only)
+    if (contract.inside == Inside::near && !near_only)
+        throw InputError(message_prefix + ": inside = near needs roots = near");
+    if (contract.inside == Inside::exit && near_only)
         throw InputError(
             message_prefix +
             ": inside = exit contradicts roots = near: from inside the near root lies behind the origin; set "
@@ -120,59 +121,59 @@ Contract read_form_contract(const lb_form& form, const std::string& library) {
     return c;
 }
 
-void require_valid(const Contract& c, const std::string& library) {
-    if (!is_safe_name(c.name))
+void require_valid(const Contract& contract, const std::string& library) {
+    if (!is_safe_name(contract.name))
         throw InputError(
             library +
             ": a form's name must begin with a letter and consist of at most 64 letters, digits and . _ -, "
             "without two dots in a row or a dot at the end: columns, folders and pictures are named after "
             "it");
 
-    const std::string message_prefix = library + ": form \"" + c.name + "\"";
-    const std::size_t dot = c.name.find('.');
-    if (dot == std::string::npos || std::ranges::find(shape_names, c.name.substr(0, dot)) != shape_names.end())
+    const std::string message_prefix = library + ": form \"" + contract.name + "\"";
+    const std::size_t dot = contract.name.find('.');
+    if (dot == std::string::npos || std::ranges::find(shape_names, contract.name.substr(0, dot)) != shape_names.end())
         throw InputError(message_prefix + ": a name is LIBRARY.FORM, such as \"mylib.sphere\"; names that begin with " +
                          shipped_prefixes() + " belong to the forms that ship with lostbits");
 
-    require_line(c.title, "title", message_prefix);
-    require_line(c.source, "source", message_prefix);
-    if (process::FloatingPointState ignored; !process::FloatingPointState::parse_differences(c.state, ignored))
+    require_line(contract.title, "title", message_prefix);
+    require_line(contract.source, "source", message_prefix);
+    if (process::FloatingPointState ignored; !process::FloatingPointState::parse_differences(contract.state, ignored))
         throw InputError(message_prefix +
                          ": state has an unknown value; leave it out if the processor computes as IEEE 754 asks");
-    if (c.bits != 32 && c.bits != 64)
-        throw InputError(message_prefix + ": format is " + std::to_string(c.bits) +
+    if (contract.bits != 32 && contract.bits != 64)
+        throw InputError(message_prefix + ": format is " + std::to_string(contract.bits) +
                          "; it must be 32 (float) or 64 (double)");
     constexpr unsigned known_flags = LB_LINE | LB_NO_END | LB_ONE_THREAD | LB_CLIPPED | LB_RANGE;
-    if ((c.flags & ~known_flags) != 0)
+    if ((contract.flags & ~known_flags) != 0)
         throw InputError(message_prefix +
                          ": flags has bits that this version does not know; rebuild the library with this version's "
                          "lostbits_plugin.h");
 
     // The properties must not contradict each other.
-    require_roots(c, message_prefix);
-    require_valid_facing(c.facing, c.shape, message_prefix);
-    refuse_unused_at_origin(c.at_origin, inside_of(c), c.shape, message_prefix);
+    require_roots(contract, message_prefix);
+    require_valid_facing(contract.facing, contract.shape, message_prefix);
+    refuse_unused_at_origin(contract.at_origin, inside_of(contract), contract.shape, message_prefix);
 }
 
-Info make_info(const Contract& c) {
-    return {.name = c.name,
-            .title = c.title,
-            .source = c.source,
-            .direction = c.direction,
-            .roots = c.roots,
-            .touching = c.touching,
-            .at_origin = c.at_origin,
-            .formats = c.bits == 32 ? Formats::binary32_only : Formats::all,
-            .inside = inside_of(c),
-            .facing = c.facing,
-            .endless = c.roots == Roots::none && (c.flags & LB_NO_END) != 0,
-            .ranged = (c.flags & LB_RANGE) != 0};
+Info make_info(const Contract& contract) {
+    return {.name = contract.name,
+            .title = contract.title,
+            .source = contract.source,
+            .direction = contract.direction,
+            .roots = contract.roots,
+            .touching = contract.touching,
+            .at_origin = contract.at_origin,
+            .formats = contract.bits == 32 ? Formats::binary32_only : Formats::all,
+            .inside = inside_of(contract),
+            .facing = contract.facing,
+            .endless = contract.roots == Roots::none && (contract.flags & LB_NO_END) != 0,
+            .ranged = (contract.flags & LB_RANGE) != 0};
 }
 
-Inside inside_of(const Contract& c) {
-    const bool is_zero = inside_returns_zero(c.shape);  // the usual answer of the shape
-    if (c.inside == Inside::usual) return c.roots == Roots::near_only ? Inside::miss : Inside::usual;
-    return c.inside == (is_zero ? Inside::zero : Inside::exit) ? Inside::usual : c.inside;
+Inside inside_of(const Contract& contract) {
+    const bool is_zero = inside_returns_zero(contract.shape);  // the usual answer of the shape
+    if (contract.inside == Inside::usual) return contract.roots == Roots::near_only ? Inside::miss : Inside::usual;
+    return contract.inside == (is_zero ? Inside::zero : Inside::exit) ? Inside::usual : contract.inside;
 }
 
 }  // namespace lostbits::intersect::external

@@ -55,8 +55,8 @@ struct AnyField {
 
 template <class Form>
 concept TakesAPrimitive =
-    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& c, sdf::NoMarchWatch& w) {
-    Form::intersect(ray, AnyField(), c, w);
+    !marches<Form> || requires(const Ray<float>& ray, const MarchConstants<float>& constants, sdf::NoMarchWatch& w) {
+    Form::intersect(ray, AnyField(), constants, w);
 };
 
 /// True if this library was compiled so that a·b − c is rounded once. Then its float and double answers contain

@@ -66,7 +66,7 @@ public:
         free_.push_back(std::make_unique<AnsweringProcess>(command_, options_));
         contracts_ = free_.back()->contracts;
         running_ = 1;
-        const auto needs_one_thread = [](const Contract& c) { return (c.flags & LB_ONE_THREAD) != 0; };
+        const auto needs_one_thread = [](const Contract& contract) { return (contract.flags & LB_ONE_THREAD) != 0; };
         if (std::ranges::any_of(contracts_, needs_one_thread)) options_.processes = 1;
     }
 

@@ -33,21 +33,24 @@ struct HeaderKey {
 
 template <class Value>
 HeaderKey enumeration_key(std::string_view name, Texts texts, Value Contract::*field) {
-    return {name, texts, [field](Contract& c, std::size_t i, const std::string&) { c.*field = static_cast<Value>(i); },
-            [field, texts](const Contract& c) { return std::string(texts[c.*field]); }};
+    return {name, texts,
+            [field](Contract& contract, std::size_t i, const std::string&) { contract.*field = static_cast<Value>(i); },
+            [field, texts](const Contract& contract) {
+                return std::string(texts[static_cast<std::size_t>(contract.*field)]);
+            }};
 }
 
 HeaderKey text_key(std::string_view name, std::string Contract::*field) {
     return {name,
             {},
-            [field](Contract& c, std::size_t, const std::string& text) { c.*field = text; },
-            [field](const Contract& c) { return c.*field; }};
+            [field](Contract& contract, std::size_t, const std::string& text) { contract.*field = text; },
+            [field](const Contract& contract) { return contract.*field; }};
 }
 
-std::string flags_of(const Contract& c) {
+std::string flags_of(const Contract& contract) {
     std::string list;
     for (std::size_t i = 0; i < flags.size(); ++i) {
-        if (c.flags & flag_bits[i]) list += (list.empty() ? "" : ",") + std::string(flags[i]);
+        if (contract.flags & flag_bits[i]) list += (list.empty() ? "" : ",") + std::string(flags[i]);
     }
     return list;
 }
@@ -58,8 +61,9 @@ const std::vector<HeaderKey>& keys() {
         text_key("title", &Contract::title),
         text_key("source", &Contract::source),
         enumeration_key("shape", shapes, &Contract::shape),
-        {"format", formats, [](Contract& c, std::size_t i, const std::string&) { c.bits = i == 0 ? 32 : 64; },
-         [](const Contract& c) { return std::string(formats[c.bits == 32 ? 0 : 1]); }},
+        {"format", formats,
+         [](Contract& contract, std::size_t i, const std::string&) { contract.bits = i == 0 ? 32 : 64; },
+         [](const Contract& contract) { return std::string(formats[contract.bits == 32 ? 0 : 1]); }},
         enumeration_key("direction", directions, &Contract::direction),
         enumeration_key("roots", roots, &Contract::roots),
         enumeration_key("touching", touchings, &Contract::touching),

@@ -45,24 +45,25 @@ inline constexpr bool has_exact_sign = !requires(const E& x) {
 /// The near root is c/(−h + √q), or −(h + √q)/a if h is positive. The far root is (−h + √q)/a, or −c/(h + √q). None of
 /// these expressions subtracts. If h = q = 0, the roots are 0, because the line meets the surface only there (c = 0).
 template <class E>
-Fraction<E> root_of(const QuadraticSpan<E>& s, const mask_t<E>& takes_far) {
-    const auto is_h_positive = is_roughly_positive(s.h),
+Fraction<E> root_of(const QuadraticSpan<E>& span, const mask_t<E>& takes_far) {
+    const auto is_h_positive = is_roughly_positive(span.h),
                divides_by_a = (takes_far && !is_h_positive) || (!takes_far && is_h_positive);
-    const E magnitude = sqrt(s.q) + select(is_h_positive, s.h, -s.h), n = select(divides_by_a, magnitude, s.c);
-    const Fraction<E> root{select(is_h_positive, -n, n), select(divides_by_a, s.a, magnitude)};
+    const E magnitude = sqrt(span.q) + select(is_h_positive, span.h, -span.h),
+            n = select(divides_by_a, magnitude, span.c);
+    const Fraction<E> root{select(is_h_positive, -n, n), select(divides_by_a, span.a, magnitude)};
     if constexpr (has_exact_sign<E>) return select(magnitude <= E(0), Fraction<E>{E(0), E(1)}, root);
     else return root;
 }
 
 /// The t at which the line enters the primitive, or leaves it if `takes_far`.
 template <class E>
-Fraction<E> end_of(const CappedSpan<E>& s, const mask_t<E>& takes_far) {
-    const auto by_cap = (takes_far && s.leaves_by_cap()) || (!takes_far && s.enters_by_cap());
-    return select(by_cap, select(takes_far, s.planes_exit, s.planes_entry), root_of(s.side, takes_far));
+Fraction<E> end_of(const CappedSpan<E>& span, const mask_t<E>& takes_far) {
+    const auto by_cap = (takes_far && span.leaves_by_cap()) || (!takes_far && span.enters_by_cap());
+    return select(by_cap, select(takes_far, span.planes_exit, span.planes_entry), root_of(span.side, takes_far));
 }
 template <class E>
-Fraction<E> end_of(const JoinedSpan<E>& s, const mask_t<E>& takes_far) {
-    return root_of(select(takes_far, s.leave, s.enter), takes_far);
+Fraction<E> end_of(const JoinedSpan<E>& span, const mask_t<E>& takes_far) {
+    return root_of(select(takes_far, span.leave, span.enter), takes_far);
 }
 
 template <class E>
@@ -74,10 +75,10 @@ FirstSpanHit<E> hit_at(const mask_t<E>& hit, const Fraction<E>& root) {
 /// meets it. A ray from inside hits at the far root. A ray that begins on the surface hits at the root that is 0: the
 /// far root if the ray leaves the primitive, else the near root.
 template <class E>
-FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& s) {
+FirstSpanHit<E> first_span_hit(const QuadraticSpan<E>& span) {
     const E zero(0);
-    const auto is_outside = s.c > zero, takes_far = s.c < zero || (!is_outside && s.h > zero);
-    return hit_at(!is_outside || (s.h < zero && s.q >= zero), root_of(s, takes_far));
+    const auto is_outside = span.c > zero, takes_far = span.c < zero || (!is_outside && span.h > zero);
+    return hit_at(!is_outside || (span.h < zero && span.q >= zero), root_of(span, takes_far));
 }
 
 /// First hit of a closed primitive. The ray hits if its line meets the primitive and does not leave it before the ray
@@ -92,15 +93,17 @@ requires ComparableSpan<Span<E>, E> FirstSpanHit<E> first_span_hit(const Span<E>
 }
 
 template <class E>
-FirstSpanHit<E> first_span_hit(const FlatSpan<E>& s) {
-    return hit_at(s.closed && s.at.n >= E(0), s.at);
+FirstSpanHit<E> first_span_hit(const FlatSpan<E>& span) {
+    return hit_at(span.closed && span.at.n >= E(0), span.at);
 }
 
 template <class E>
-FirstSpanHit<E> first_span_hit(const WallSpan<E>& s) {
-    const auto is_ahead = [&s](int i) { return s.crossing(i).closed && !s.compare_crossing(i, ZeroParameter{}).less; };
+FirstSpanHit<E> first_span_hit(const WallSpan<E>& span) {
+    const auto is_ahead = [&span](int i) {
+        return span.crossing(i).closed && !span.compare_crossing(i, ZeroParameter{}).less;
+    };
     const auto is_first_ahead = is_ahead(0);
-    return hit_at(is_first_ahead || is_ahead(1), root_of(s.primitive.side, !is_first_ahead));
+    return hit_at(is_first_ahead || is_ahead(1), root_of(span.primitive.side, !is_first_ahead));
 }
 
 }  // namespace lostbits::intersect::filter

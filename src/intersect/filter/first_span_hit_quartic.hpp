@@ -20,12 +20,12 @@ struct FallbackLimits<QuarticSpan<E>> {
 
 /// The first root, if the signs along Sturm's chain show one, and 0 if the ray begins at a root.
 template <class E>
-FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
-    const QuarticChain<E> chain(s.f);
-    const auto values = chain.at(s.b);
+FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& span) {
+    const QuarticChain<E> chain(span.f);
+    const auto values = chain.at(span.b);
     const auto at_begin = values[0] <= E(0) && values[0] >= E(0);
-    const E x = approximate_first_root<E>(chain, s.b, s.bound, 6);
-    return {at_begin || sign_changes(values) > sign_changes(chain.at_infinity()), select(at_begin, E(0), s.t_at(x))};
+    const E x = approximate_first_root<E>(chain, span.b, span.bound, 6);
+    return {at_begin || sign_changes(values) > sign_changes(chain.at_infinity()), select(at_begin, E(0), span.t_at(x))};
 }
 
 /// Numbers that enclose roots (geometry/real_roots.hpp).
@@ -36,17 +36,17 @@ concept EnclosesRoots = is_exact<E> && requires(const E& x) {
 
 /// The first root that does not lie before the beginning of the ray; the line touches or crosses the surface there.
 template <EnclosesRoots E>
-FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& s) {
+FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& span) {
     const E zero(0);
     const FirstSpanHit<E> unknown{Tri::unknown, zero / zero};
-    if (known_sign(s.f.leading()) != 1) return unknown;  // the axis has no length
-    const auto roots = enclosed_roots(s.f, s.bound);
+    if (known_sign(span.f.leading()) != 1) return unknown;  // the axis has no length
+    const auto roots = enclosed_roots(span.f, span.bound);
     if (!roots) return unknown;
     for (int i = 0; i < roots->count; ++i) {
-        const auto order = roots->order(i, s.b);
+        const auto order = roots->order(i, span.b);
         if (!order) return unknown;
         if (*order == 0) return {Tri::yes, zero};
-        if (*order > 0) return {Tri::yes, s.t_at((*roots)[i].root)};
+        if (*order > 0) return {Tri::yes, span.t_at((*roots)[i].root)};
     }
     return {Tri::no, E(-1)};
 }
@@ -62,16 +62,16 @@ mask_t<typename U::P> is_above(const QuarticChain<U>& f) {
 /// away the root can be. At that distance and one sixteenth more, on either side, f has different signs. For a miss
 /// this search is skipped, except while a tape is written, which has the same operations for every ray.
 template <class T>
-FirstSpanHit<number::wide::ProvingNumber<T>> first_span_hit(const QuarticSpan<number::wide::ProvingNumber<T>>& s) {
+FirstSpanHit<number::wide::ProvingNumber<T>> first_span_hit(const QuarticSpan<number::wide::ProvingNumber<T>>& span) {
     using E = number::wide::ProvingNumber<T>;
     using P = typename E::P;
     using U = number::wide::ProvingNumber<P>;
     using lostbits::abs;
     const auto value_of = [](const E& x) { return U(number::wide::plain_value(x.word()), x.radius()); };
-    const QuarticChain<U> f(value_of(s.f.c[4]), value_of(s.f.c[2]), value_of(s.f.c[1]), value_of(s.f.c[0]));
+    const QuarticChain<U> f(value_of(span.f.c[4]), value_of(span.f.c[2]), value_of(span.f.c[1]), value_of(span.f.c[0]));
 
     // Counts the roots ahead. A line far from the surface has none.
-    const U b = value_of(s.b);
+    const U b = value_of(span.b);
     const auto changes_at_begin = prove_sign_changes(f.at(b));
     const auto roots_ahead = prove_roots_between(changes_at_begin, prove_sign_changes(f.at_infinity()), f.last);
     const auto is_miss = roots_ahead.is_absent || is_above(f);
@@ -80,8 +80,8 @@ FirstSpanHit<number::wide::ProvingNumber<T>> first_span_hit(const QuarticSpan<nu
         if (!any_of(!is_miss)) return {typename E::Mask(!is_miss, is_miss), miss_t};
 
     // Approximates the first root, and bounds its distance by a Newton step.
-    const QuarticChain<T> words(s.f.c[4].word(), s.f.c[2].word(), s.f.c[1].word(), s.f.c[0].word());
-    const T x = approximate_first_root<T>(words, s.b.word(), s.bound.word(), 5);
+    const QuarticChain<T> words(span.f.c[4].word(), span.f.c[2].word(), span.f.c[1].word(), span.f.c[0].word());
+    const T x = approximate_first_root<T>(words, span.b.word(), span.bound.word(), 5);
     const P x_value = number::wide::plain_value(x);
     const U step = f.value(U(x_value)) / f.slope(U(x_value));
     const P distance =
@@ -91,14 +91,14 @@ FirstSpanHit<number::wide::ProvingNumber<T>> first_span_hit(const QuarticSpan<nu
     const U low(x_value - distance), high(x_value + distance);
     const auto is_found = !is_miss && (low > b).yes() && is_first_between(f, changes_at_begin, low, high);
     const typename E::Mask hit(is_found, is_miss);
-    return {hit, select(hit, s.t_at(E(x, distance * number::wide::outward_factor<P>())), miss_t)};
+    return {hit, select(hit, span.t_at(E(x, distance * number::wide::outward_factor<P>())), miss_t)};
 }
 
 /// Computes in two words, as the packs of the truth do.
 template <class W>
-FirstSpanHit<number::wide::RunningError<W>> first_span_hit(const QuarticSpan<number::wide::RunningError<W>>& s) {
-    const auto root = first_root(s.f, s.b, s.bound);
-    return {{root.is_found, root.is_absent}, s.t_at(root.root)};
+FirstSpanHit<number::wide::RunningError<W>> first_span_hit(const QuarticSpan<number::wide::RunningError<W>>& span) {
+    const auto root = first_root(span.f, span.b, span.bound);
+    return {{root.is_found, root.is_absent}, span.t_at(root.root)};
 }
 
 }  // namespace lostbits::intersect::filter

@@ -203,26 +203,27 @@ struct Outputs {
     NodeId t, near, far;
 };
 
-Outputs outputs_of(Nodes& nodes, const external::Contract& c, const Walk::Answer& answer, Mask hit) {
+Outputs outputs_of(Nodes& nodes, const external::Contract& contract, const Walk::Answer& answer, Mask hit) {
     // Functions without roots, or with one root.
     const NodeId zero = nodes.constant(0, false);
-    if (c.roots == Roots::none) return {hit, zero, zero, zero};
+    if (contract.roots == Roots::none) return {hit, zero, zero, zero};
     const NodeId near = answer.t;
-    if (c.roots == Roots::near_only)
+    if (contract.roots == Roots::near_only)
         return {nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less, near, zero))), near, near, near};
-    if (c.roots != Roots::both || answer.far == no_node) return {hit, near, near, near};
+    if (contract.roots != Roots::both || answer.far == no_node) return {hit, near, near, near};
 
     const NodeId far = answer.far;
-    const TapeOp ahead_comparison = c.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
+    const TapeOp ahead_comparison = contract.at_origin == AtOrigin::hit ? TapeOp::greater_equal : TapeOp::greater;
     const Mask near_is_ahead = nodes.logical_or(nodes.is_nan(near), nodes.compare(ahead_comparison, near, zero));
-    const Inside inside = external::inside_of(c);
-    const bool inside_gives_zero = inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(c.shape));
+    const Inside inside = external::inside_of(contract);
+    const bool inside_gives_zero =
+        inside == Inside::zero || (inside == Inside::usual && inside_returns_zero(contract.shape));
 
     // The properties of the contract that make a hit a miss.
     if (inside == Inside::miss) hit = nodes.logical_and(hit, near_is_ahead);
-    if (c.at_origin == AtOrigin::miss)
+    if (contract.at_origin == AtOrigin::miss)
         hit = nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less_equal, far, zero)));
-    if ((c.flags & LB_LINE) != 0)
+    if ((contract.flags & LB_LINE) != 0)
         hit = nodes.logical_and(hit, nodes.logical_not(nodes.compare(TapeOp::less, far, zero)));
     return {hit, nodes.select(near_is_ahead, near, inside_gives_zero ? zero : far), near, far};
 }
@@ -243,8 +244,7 @@ std::vector<NamedNumber> names_of(const UserSignature& signature, const Walk& wa
     for (const InputSlot& input_slot : signature.inputs) {
         const std::size_t bracket = input_slot.source.find("in[");
         if (bracket == std::string::npos || input_slot.slot.argument < 0) continue;
-        names.push_back({.text = part_text(signature.arguments[input_slot.slot.argument],
-                                           input_slot.slot.offset),
+        names.push_back({.text = part_text(signature.arguments[input_slot.slot.argument], input_slot.slot.offset),
                          .operation = no_node,
                          .input = std::atoi(input_slot.source.c_str() + bracket + 3),
                          .is_inverse = bracket > 0});
@@ -404,9 +404,9 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     // The names and places of the operations. A path to the file itself becomes the path that the user wrote.
     user_function->names = names_of(signature, walk, recorded.operation_of);
     user_function->places = walk.places();
-    for (SourcePlace& p : user_function->places)
-        if (const fs::path normal_path = fs::path(p.file).lexically_normal(); normal_path == compiler.file())
-            p.file = user_function->path;
+    for (SourcePlace& place : user_function->places)
+        if (const fs::path normal_path = fs::path(place.file).lexically_normal(); normal_path == compiler.file())
+            place.file = user_function->path;
     for (const int place : recorded.places)
         user_function->place_of_operation.push_back(walk.innermost_user_place(place));
     const auto formula = std::make_shared<const table::WrittenFormula>(std::move(recorded.formula));

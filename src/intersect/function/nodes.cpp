@@ -355,8 +355,7 @@ Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, Node
         table::WrittenOperation w{.op = n.op, .value = n.value, .label = n.label, .wide = n.wide};
         if (n.op == TapeOp::input) w.operands = n.operands;
         else if (n.op != TapeOp::constant)
-            for (std::size_t k = 0; k < row_of(n.op).operands; ++k)
-                w.operands[k] = operation_of[n.operands[k]];
+            for (std::size_t k = 0; k < row_of(n.op).operands; ++k) w.operands[k] = operation_of[n.operands[k]];
         operation_of[i] = append(std::move(w), n.place);
     }
 
@@ -381,8 +380,7 @@ std::vector<bool> Nodes::find_needed(std::initializer_list<NodeId> outputs) cons
         if (i >= 0) is_needed[i] = true;
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         if (!is_needed[i] || is_given(nodes_[i].op)) continue;
-        for (std::size_t k = 0; k < row_of(nodes_[i].op).operands; ++k)
-            is_needed[nodes_[i].operands[k]] = true;
+        for (std::size_t k = 0; k < row_of(nodes_[i].op).operands; ++k) is_needed[nodes_[i].operands[k]] = true;
     }
     return is_needed;
 }

@@ -61,25 +61,25 @@ const UserFunction* function_with_place(const Info& form, const Format& format, 
 }
 
 /// Returns the positions of the calls in the same file that lead to a place.
-std::string call_chain(const UserFunction& f, const SourcePlace& p) {
+std::string call_chain(const UserFunction& function, const SourcePlace& place) {
     std::string text;
-    for (int caller = p.caller; caller >= 0; caller = f.places[caller].caller) {
-        const SourcePlace& c = f.places[caller];
+    for (int caller = place.caller; caller >= 0; caller = function.places[caller].caller) {
+        const SourcePlace& c = function.places[caller];
         // In Rust, the wrapper that calls the user's function is compiled in the same file, below the user's text.
-        const bool is_below = c.file == f.path && c.line > std::ranges::count(f.source, '\n') + 1;
-        if (c.line == 0 || c.file != p.file || is_below) continue;
+        const bool is_below = c.file == function.path && c.line > std::ranges::count(function.source, '\n') + 1;
+        if (c.line == 0 || c.file != place.file || is_below) continue;
         text += ", called at " + std::to_string(c.line) + ":" + std::to_string(c.column);
     }
     return text;
 }
 
 /// Reads the line of a place from the user's text, or from the file of the place: the source of LLVM IR, or a header.
-std::string read_line(const UserFunction& f, const SourcePlace& p) {
-    std::istringstream own_source(f.source);
-    std::ifstream other_file(p.file);
-    std::istream& lines = p.file == f.path ? static_cast<std::istream&>(own_source) : other_file;
+std::string read_line(const UserFunction& function, const SourcePlace& place) {
+    std::istringstream own_source(function.source);
+    std::ifstream other_file(place.file);
+    std::istream& lines = place.file == function.path ? static_cast<std::istream&>(own_source) : other_file;
     std::string line;
-    for (int k = 0; k < p.line; ++k) {
+    for (int k = 0; k < place.line; ++k) {
         line.clear();
         std::getline(lines, line);
     }
@@ -97,8 +97,8 @@ std::string marks_below(const std::string& line, std::size_t marked_byte) {
     return marks;
 }
 
-std::string text_of_place(const SourcePlace& p) {
-    return p.file + ":" + std::to_string(p.line) + (p.column > 0 ? ":" + std::to_string(p.column) : "");
+std::string text_of_place(const SourcePlace& place) {
+    return place.file + ":" + std::to_string(place.line) + (place.column > 0 ? ":" + std::to_string(place.column) : "");
 }
 
 }  // namespace

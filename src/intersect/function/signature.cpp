@@ -29,8 +29,8 @@ struct Part {
     std::string role = {};            ///< see `RoleGuesser`; empty while unknown
 };
 
-bool is_tmin(const Part& p) { return !p.is_vector && (is_tmin_name(p.last_name) || p.last_name == "min"); }
-bool is_tmax(const Part& p) { return !p.is_vector && (is_tmax_name(p.last_name) || p.last_name == "max"); }
+bool is_tmin(const Part& part) { return !part.is_vector && (is_tmin_name(part.last_name) || part.last_name == "min"); }
+bool is_tmax(const Part& part) { return !part.is_vector && (is_tmax_name(part.last_name) || part.last_name == "max"); }
 
 class Parts {
 public:
@@ -83,35 +83,35 @@ private:
     }
 
     /// Adds the vectors and numbers of a type. Numbers that follow one another are vectors where their count allows it.
-    void flatten(const SourceType& t, std::size_t offset, const std::string& path, const std::string& last_name) {
+    void flatten(const SourceType& type, std::size_t offset, const std::string& path, const std::string& last_name) {
         if (--parts_left_ < 0) return;
         std::size_t size = 0;
         std::string last_member;
-        const int count = count_numbers(t, size, last_member);
-        if (t.kind == Kind::number || t.kind == Kind::integer) {
-            add_number(offset, t.size, path, last_name).slot.is_integer = t.kind == Kind::integer;
+        const int count = count_numbers(type, size, last_member);
+        if (type.kind == Kind::number || type.kind == Kind::integer) {
+            add_number(offset, type.size, path, last_name).slot.is_integer = type.kind == Kind::integer;
             return;
         }
 
         // Three or four numbers are a vector, unless they have names of their own. The fourth may be a radius.
-        const bool is_sequence = is_sequence_of_numbers(t);
+        const bool is_sequence = is_sequence_of_numbers(type);
         if (is_sequence && (count == 3 || (count == 4 && !is_radius_name(last_member)))) {
             const bool has_own_names =
-                t.kind == Kind::structure && t.parts.size() >= 3 && t.parts[0].kind == Kind::number &&
-                is_one_of(normalized_name(t.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
+                type.kind == Kind::structure && type.parts.size() >= 3 && type.parts[0].kind == Kind::number &&
+                is_one_of(normalized_name(type.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
             if (!has_own_names) {
                 add_vector(offset, size, path, last_name).has_fourth = count == 4;
                 return;
             }
         }
         if (is_sequence && count == 4) {
-            add_vector(offset, size, path + "." + t.parts[0].member, "centre");
+            add_vector(offset, size, path + "." + type.parts[0].member, "centre");
             add_number(offset + 3 * size, size, path + "." + last_member, "radius");
             return;
         }
 
         // An array of numbers may be several vectors.
-        if (t.kind == Kind::sequence && count > 0 && count % 3 == 0 && t.parts[0].kind == Kind::number) {
+        if (type.kind == Kind::sequence && count > 0 && count % 3 == 0 && type.parts[0].kind == Kind::number) {
             for (int k = 0; k < count / 3; ++k)
                 add_vector(offset + static_cast<std::size_t>(3 * k) * size, size,
                            path + "[" + std::to_string(3 * k) + "]", last_name + std::to_string(k));
@@ -119,14 +119,14 @@ private:
         }
 
         // Other arrays and structures part by part.
-        if (t.kind == Kind::sequence && t.count <= 16) {
-            for (std::size_t k = 0; k < t.count; ++k)
-                flatten(t.parts[0], offset + k * t.parts[0].size, path + "[" + std::to_string(k) + "]",
+        if (type.kind == Kind::sequence && type.count <= 16) {
+            for (std::size_t k = 0; k < type.count; ++k)
+                flatten(type.parts[0], offset + k * type.parts[0].size, path + "[" + std::to_string(k) + "]",
                         last_name + std::to_string(k));
             return;
         }
-        if (t.kind == Kind::structure)
-            for (const SourceType& p : t.parts) {
+        if (type.kind == Kind::structure)
+            for (const SourceType& p : type.parts) {
                 const std::string name = p.member.starts_with("__") ? p.member.substr(2) : p.member;
                 flatten(p, offset + p.offset, name.empty() ? path : path + "." + name,
                         name.empty() ? last_name : normalized_name(name));
@@ -150,11 +150,12 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
     // The only shape with so many vectors and numbers beside the origin and the direction.
     std::size_t vectors = 0, numbers = 0;
     bool has_fourth = false;
-    for (const Part& p : parts) {
-        has_fourth = has_fourth || p.has_fourth;
-        if (p.is_out || p.slot.is_integer || is_tmin(p) || is_tmax(p) || is_inverse_direction_name(p.last_name))
+    for (const Part& part : parts) {
+        has_fourth = has_fourth || part.has_fourth;
+        if (part.is_out || part.slot.is_integer || is_tmin(part) || is_tmax(part) ||
+            is_inverse_direction_name(part.last_name))
             continue;
-        ++(p.is_vector ? vectors : numbers);
+        ++(part.is_vector ? vectors : numbers);
     }
     if (vectors == 3 && (numbers == 1 || (numbers == 0 && has_fourth))) return Shape::sphere;
     if (vectors == 4 && numbers == 0) return Shape::box;
@@ -196,32 +197,32 @@ public:
     }
 
 private:
-    void set_role(Part& p, const std::string& role) const {
-        if (p.role.empty() && !has_role(parts_, role)) p.role = role;
+    void set_role(Part& part, const std::string& role) const {
+        if (part.role.empty() && !has_role(parts_, role)) part.role = role;
     }
-    static bool is_in_ray(const Part& p) { return p.argument_names.find("ray") != std::string::npos; }
-    [[nodiscard]] bool may_be_key(const Part& p, const Key& key) const {
-        return p.role.empty() && !p.is_out && !p.slot.is_integer && p.is_vector == (key.count() == 3);
+    static bool is_in_ray(const Part& part) { return part.argument_names.find("ray") != std::string::npos; }
+    [[nodiscard]] bool may_be_key(const Part& part, const Key& key) const {
+        return part.role.empty() && !part.is_out && !part.slot.is_integer && part.is_vector == (key.count() == 3);
     }
 
     void guess_ray_by_names() {
-        for (Part& p : parts_) {
-            if (p.is_out || p.slot.is_integer) continue;
-            const bool in_ray = is_in_ray(p);
+        for (Part& part : parts_) {
+            if (part.is_out || part.slot.is_integer) continue;
+            const bool in_ray = is_in_ray(part);
             const bool is_whole_argument =
-                p.path.find('.') == std::string::npos && p.path.find('[') == std::string::npos;
-            if (p.is_vector && (in_ray || is_whole_argument)) {
-                if (is_inverse_direction_name(p.last_name)) set_role(p, "1/d");
-                else if (in_ray && !is_whole_argument && is_origin_name(p.last_name)) set_role(p, "o");
-                else if (in_ray && !is_whole_argument && is_direction_name(p.last_name)) set_role(p, "d");
-                else if (is_whole_argument && !is_one_of(p.last_name, {"a", "b", "p0", "pos", "e", "v"})) {
-                    if (is_origin_name(p.last_name)) set_role(p, "o");
-                    else if (is_direction_name(p.last_name)) set_role(p, "d");
+                part.path.find('.') == std::string::npos && part.path.find('[') == std::string::npos;
+            if (part.is_vector && (in_ray || is_whole_argument)) {
+                if (is_inverse_direction_name(part.last_name)) set_role(part, "1/d");
+                else if (in_ray && !is_whole_argument && is_origin_name(part.last_name)) set_role(part, "o");
+                else if (in_ray && !is_whole_argument && is_direction_name(part.last_name)) set_role(part, "d");
+                else if (is_whole_argument && !is_one_of(part.last_name, {"a", "b", "p0", "pos", "e", "v"})) {
+                    if (is_origin_name(part.last_name)) set_role(part, "o");
+                    else if (is_direction_name(part.last_name)) set_role(part, "d");
                 }
-            } else if (is_tmin(p)) {
-                set_role(p, "tmin");
-            } else if (is_tmax(p)) {
-                set_role(p, "tmax");
+            } else if (is_tmin(part)) {
+                set_role(part, "tmin");
+            } else if (is_tmax(part)) {
+                set_role(part, "tmax");
             }
         }
     }
@@ -232,13 +233,13 @@ private:
             if (has_role(parts_, role) || (std::string_view(role) == "d" && has_role(parts_, "1/d"))) continue;
             for (const bool ray_only : {true, false}) {
                 if (has_role(parts_, role)) break;
-                for (Part& p : parts_) {
-                    const bool in_ray = is_in_ray(p);
-                    const bool is_whole_argument = p.path.find('.') == std::string::npos;
-                    if (!p.is_vector || p.is_out || !p.role.empty() ||
+                for (Part& part : parts_) {
+                    const bool in_ray = is_in_ray(part);
+                    const bool is_whole_argument = part.path.find('.') == std::string::npos;
+                    if (!part.is_vector || part.is_out || !part.role.empty() ||
                         !(ray_only ? in_ray && !is_whole_argument : is_whole_argument || in_ray))
                         continue;
-                    p.role = role;
+                    part.role = role;
                     break;
                 }
             }
@@ -247,10 +248,10 @@ private:
 
     /// Gives the keys of the primitive to parts with a common name of the key, then to the parts that are left.
     void guess_keys() {
-        for (Part& p : parts_)
+        for (Part& part : parts_)
             for (std::size_t k = 0; k < keys_.size(); ++k)
-                if (may_be_key(p, keys_[k]) && is_common_name_of_key(p.last_name, keys_[k], k, shape_))
-                    set_role(p, key_role(k));
+                if (may_be_key(part, keys_[k]) && is_common_name_of_key(part.last_name, keys_[k], k, shape_))
+                    set_role(part, key_role(k));
         for (std::size_t k = 0; k < keys_.size(); ++k) {
             // A number is an inner radius only if its name says so: more often it is an epsilon.
             if (has_role(parts_, key_role(k)) || keys_[k].name == "inner_radius") continue;
@@ -323,14 +324,14 @@ void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSigna
 
 /// Finds the slots of hit, t and the far t among the numbers that a function writes or returns.
 void find_output_slots(UserSignature& signature, const std::vector<Part>& parts) {
-    for (const Part& p : parts) {
-        if (p.is_vector) continue;
-        if (p.slot.is_integer) {
-            if (!signature.hit && (is_hit_name(p.last_name) || p.role == "hit")) signature.hit = p.slot;
-        } else if (!signature.t && (is_t_name(p.last_name) || p.role == "t")) {
-            signature.t = p.slot;
-        } else if (!signature.far && (is_far_name(p.last_name) || p.role == "far")) {
-            signature.far = p.slot;
+    for (const Part& part : parts) {
+        if (part.is_vector) continue;
+        if (part.slot.is_integer) {
+            if (!signature.hit && (is_hit_name(part.last_name) || part.role == "hit")) signature.hit = part.slot;
+        } else if (!signature.t && (is_t_name(part.last_name) || part.role == "t")) {
+            signature.t = part.slot;
+        } else if (!signature.far && (is_far_name(part.last_name) || part.role == "far")) {
+            signature.far = part.slot;
         }
     }
 }
@@ -346,11 +347,11 @@ std::string role_text(Shape shape, const std::string& role) {
 /// Turns a float* without const and without a role as an input into an output. Many C functions take their input arrays
 /// without const, so this comes last.
 void find_output_arrays(std::vector<Part>& parts, const UserSignature& signature) {
-    for (Part& p : parts) {
-        const bool is_const = signature.arguments[p.slot.argument].type.is_const;
-        if (!p.role.empty() || !p.points_to_numbers || !p.is_vector || is_const) continue;
-        p.is_vector = false;
-        p.is_out = true;
+    for (Part& part : parts) {
+        const bool is_const = signature.arguments[part.slot.argument].type.is_const;
+        if (!part.role.empty() || !part.points_to_numbers || !part.is_vector || is_const) continue;
+        part.is_vector = false;
+        part.is_out = true;
     }
 }
 
@@ -375,22 +376,24 @@ void require_inputs(const std::vector<Part>& parts, Shape shape, const std::stri
 }
 
 /// Adds the numbers that a part receives: those of its role, in the order origin, direction, keys, end of the ray.
-void add_inputs(UserSignature& signature, const Part& p, Shape shape) {
-    if (p.role.empty() || p.role == "-" || is_answer_role(p.role)) return;
+void add_inputs(UserSignature& signature, const Part& part, Shape shape) {
+    if (part.role.empty() || part.role == "-" || is_answer_role(part.role)) return;
     constexpr std::size_t first_direction = 3, first_key = 6;
     const auto keys = row_of(shape).keys;
-    std::size_t input_index = p.role == "o" ? 0 : p.role == "d" || p.role == "1/d" ? first_direction : first_key;
-    if (p.role[0] == 'k')
-        for (std::size_t k = 0; k < key_index(p.role); ++k) input_index += keys[k].count();
-    if (p.role == "tmax") input_index = first_key + row_of(shape).number_count;
+    std::size_t input_index = part.role == "o"                         ? 0
+                              : part.role == "d" || part.role == "1/d" ? first_direction
+                                                                       : first_key;
+    if (part.role[0] == 'k')
+        for (std::size_t k = 0; k < key_index(part.role); ++k) input_index += keys[k].count();
+    if (part.role == "tmax") input_index = first_key + row_of(shape).number_count;
 
-    for (std::size_t k = 0; k < (p.is_vector ? 3U : 1U); ++k) {
+    for (std::size_t k = 0; k < (part.is_vector ? 3U : 1U); ++k) {
         const std::string input = "in[" + std::to_string(input_index + k) + "]";
-        NumberSlot slot = p.slot;
-        slot.offset += k * p.slot.size;
-        signature.inputs.push_back({slot, p.role == "1/d" ? "1 / " + input : p.role == "tmin" ? "0" : input});
+        NumberSlot slot = part.slot;
+        slot.offset += k * part.slot.size;
+        signature.inputs.push_back({slot, part.role == "1/d" ? "1 / " + input : part.role == "tmin" ? "0" : input});
     }
-    signature.text += (signature.text.empty() ? "" : ", ") + role_text(shape, p.role) + " = " + p.path;
+    signature.text += (signature.text.empty() ? "" : ", ") + role_text(shape, part.role) + " = " + part.path;
 }
 
 /// Sets the slots of the answers: in the returned value first, then in the outputs. Returns the parts of the returned
@@ -409,11 +412,13 @@ std::vector<Part> find_answers(UserSignature& signature, const std::vector<Part>
     } else if (value->kind == Kind::structure) {
         // Three numbers x, y, z are t and coordinates inside of a triangle.
         const bool is_vector = value->parts.size() > 2 && normalized_name(value->parts[1].member) == "y";
-        for (const SourceType& p : std::span(value->parts).first(is_vector ? 1 : value->parts.size())) {
-            if (p.kind != Kind::number && p.kind != Kind::integer) continue;
-            const std::string last = normalized_name(p.member.starts_with("__") ? p.member.substr(2) : p.member);
-            returned_parts.push_back(
-                {.slot = {-1, p.offset, p.size, p.kind == Kind::integer}, .path = p.member, .last_name = last});
+        for (const SourceType& type : std::span(value->parts).first(is_vector ? 1 : value->parts.size())) {
+            if (type.kind != Kind::number && type.kind != Kind::integer) continue;
+            const std::string last =
+                normalized_name(type.member.starts_with("__") ? type.member.substr(2) : type.member);
+            returned_parts.push_back({.slot = {-1, type.offset, type.size, type.kind == Kind::integer},
+                                      .path = type.member,
+                                      .last_name = last});
         }
         find_output_slots(signature, returned_parts);
     }
@@ -422,9 +427,9 @@ std::vector<Part> find_answers(UserSignature& signature, const std::vector<Part>
     std::ranges::copy_if(parts, std::back_inserter(output_parts), &Part::is_out);
     find_output_slots(signature, output_parts);
     // If no name says that an output is t, it is the first number that the function writes.
-    for (const Part& p : output_parts)
-        if (!p.is_vector && !p.slot.is_integer && !signature.t && p.path.find('.') == std::string::npos)
-            signature.t = p.slot;
+    for (const Part& part : output_parts)
+        if (!part.is_vector && !part.slot.is_integer && !signature.t && part.path.find('.') == std::string::npos)
+            signature.t = part.slot;
     return returned_parts;
 }
 
@@ -442,12 +447,12 @@ std::string answers_text(const UserSignature& signature, const std::vector<Part>
                          const std::vector<Part>& returned_parts) {
     const auto source_of = [&](const NumberSlot& slot) -> std::string {
         if (slot.argument < 0) {
-            for (const Part& p : returned_parts)
-                if (p.slot.offset == slot.offset) return "its " + p.path;
+            for (const Part& part : returned_parts)
+                if (part.slot.offset == slot.offset) return "its " + part.path;
             return "the result";
         }
-        for (const Part& p : parts)
-            if (p.slot.argument == slot.argument && p.slot.offset == slot.offset) return p.path;
+        for (const Part& part : parts)
+            if (part.slot.argument == slot.argument && part.slot.offset == slot.offset) return part.path;
         return "an argument";
     };
     std::string text;
@@ -472,9 +477,9 @@ void guess_signature(UserSignature& signature, const StatedSignature& stated, co
 
     // The inputs, and the format in which the function computes.
     signature.bits = 64;
-    for (const Part& p : parts.all)
-        if (!p.is_out && !p.slot.is_integer && p.slot.size == 4) signature.bits = 32;
-    for (const Part& p : parts.all) add_inputs(signature, p, shape);
+    for (const Part& part : parts.all)
+        if (!part.is_out && !part.slot.is_integer && part.slot.size == 4) signature.bits = 32;
+    for (const Part& part : parts.all) add_inputs(signature, part, shape);
     signature.text = std::string(name_of(shape)) + ": " + signature.text;
 
     // The answers.

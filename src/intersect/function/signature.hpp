@@ -109,11 +109,11 @@ void apply_stated_property(UserSignature& signature, const std::string& key, con
 
 /// Counts the numbers of a type that consists only of numbers of one size; -1 if the type holds anything else, or too
 /// many numbers. `last_member` receives the normalized name of the last member.
-int count_numbers(const SourceType& t, std::size_t& size, std::string& last_member);
+int count_numbers(const SourceType& type, std::size_t& size, std::string& last_member);
 /// True if the numbers of a type follow one another and their names say no more than x, y, z: an array, a struct that
 /// holds only numbers, or a struct around one of these. In `{vec3 centre; float radius}` each member has a meaning of
 /// its own, and there may be padding between them.
-bool is_sequence_of_numbers(const SourceType& t);
+bool is_sequence_of_numbers(const SourceType& type);
 
 /// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.
 bool contains_word(const std::string& source, const std::string& name);

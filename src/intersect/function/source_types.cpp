@@ -157,11 +157,11 @@ void TypeReader::add_members(std::string_view text, SourceType& source_type) {
     }
 
     // The flag of std::optional, which may be a member of a base class.
-    for (const SourceType& p : source_type.parts) {
-        const bool is_flag = p.member == "_M_engaged" || p.member == "__engaged_";
-        if (p.flag_size == 0 && !is_flag) continue;
-        source_type.flag_offset = p.flag_size > 0 ? p.offset + p.flag_offset : p.offset;
-        source_type.flag_size = p.flag_size > 0 ? p.flag_size : 1;
+    for (const SourceType& type : source_type.parts) {
+        const bool is_flag = type.member == "_M_engaged" || type.member == "__engaged_";
+        if (type.flag_size == 0 && !is_flag) continue;
+        source_type.flag_offset = type.flag_size > 0 ? type.offset + type.flag_offset : type.offset;
+        source_type.flag_size = type.flag_size > 0 ? type.flag_size : 1;
     }
 
     // The type of the value of std::optional is the parameter of its template.
@@ -215,21 +215,21 @@ SourceType source_type_of(const Type& t) {
 }
 
 /// Size of the numbers in which a function computes.
-std::size_t find_number_size(const IrFunction& f) {
-    for (const Block& b : f.blocks)
+std::size_t find_number_size(const IrFunction& function) {
+    for (const Block& b : function.blocks)
         for (const std::string_view line : b.lines)
             if (line.find(" float ") != std::string_view::npos) return 4;
     return 8;
 }
 
 /// Reads the arguments and the result of a function without debug information from its LLVM IR.
-void set_ir_types(UserSignature& signature, Module& module, const IrFunction& f, const std::string& path) {
+void set_ir_types(UserSignature& signature, Module& module, const IrFunction& function, const std::string& path) {
     const auto type_of_text = [&module](std::string_view text) {
         Cursor cursor(text);
         return module.read_type(cursor);
     };
-    const std::size_t default_size = find_number_size(f);
-    for (const IrParameter& p : f.parameters) {
+    const std::size_t default_size = find_number_size(function);
+    for (const IrParameter& p : function.parameters) {
         const bool has_name = p.name.find_first_not_of("0123456789") != std::string::npos;
         Argument a{.name = has_name ? p.name : "p" + std::to_string(signature.arguments.size()),
                    .type = source_type_of(*p.type)};
@@ -251,7 +251,7 @@ void set_ir_types(UserSignature& signature, Module& module, const IrFunction& f,
                              "information; compile it with -g");
         signature.arguments.push_back(std::move(a));
     }
-    signature.returned = source_type_of(*type_of_text(f.returned_text));
+    signature.returned = source_type_of(*type_of_text(function.returned_text));
 }
 
 /// Returns the last part of a name with namespaces: `hit` of `Sphere::hit`.
@@ -338,23 +338,23 @@ std::map<std::size_t, std::string> find_argument_names(const Module& module, std
 
 }  // namespace
 
-int count_numbers(const SourceType& t, std::size_t& size, std::string& last_member) {
-    if (t.kind == Kind::number) {
-        if (size != 0 && size != t.size) return -1;
-        size = t.size;
-        last_member = normalized_name(t.member);
+int count_numbers(const SourceType& type, std::size_t& size, std::string& last_member) {
+    if (type.kind == Kind::number) {
+        if (size != 0 && size != type.size) return -1;
+        size = type.size;
+        last_member = normalized_name(type.member);
         return 1;
     }
 
-    if (t.kind == Kind::sequence) {
+    if (type.kind == Kind::sequence) {
         std::string unused;
-        const int part_count = count_numbers(t.parts[0], size, unused);
-        return part_count < 0 || part_count > 64 || t.count > 64 ? -1 : part_count * static_cast<int>(t.count);
+        const int part_count = count_numbers(type.parts[0], size, unused);
+        return part_count < 0 || part_count > 64 || type.count > 64 ? -1 : part_count * static_cast<int>(type.count);
     }
 
-    if (t.kind != Kind::structure || t.parts.empty()) return -1;
+    if (type.kind != Kind::structure || type.parts.empty()) return -1;
     int total = 0;
-    for (const SourceType& p : t.parts) {
+    for (const SourceType& p : type.parts) {
         const int part_count = count_numbers(p, size, last_member);
         if (part_count < 0 || total > 4096) return -1;
         total += part_count;
@@ -362,11 +362,11 @@ int count_numbers(const SourceType& t, std::size_t& size, std::string& last_memb
     return total;
 }
 
-bool is_sequence_of_numbers(const SourceType& t) {
-    if (t.kind == Kind::sequence) return t.parts[0].kind == Kind::number;
-    if (t.kind != Kind::structure) return false;
-    if (t.parts.size() == 1) return is_sequence_of_numbers(t.parts[0]) || t.parts[0].kind == Kind::number;
-    return std::ranges::all_of(t.parts, [](const SourceType& p) { return p.kind == Kind::number; });
+bool is_sequence_of_numbers(const SourceType& type) {
+    if (type.kind == Kind::sequence) return type.parts[0].kind == Kind::number;
+    if (type.kind != Kind::structure) return false;
+    if (type.parts.size() == 1) return is_sequence_of_numbers(type.parts[0]) || type.parts[0].kind == Kind::number;
+    return std::ranges::all_of(type.parts, [](const SourceType& part) { return part.kind == Kind::number; });
 }
 
 bool contains_word(const std::string& source, const std::string& name) {

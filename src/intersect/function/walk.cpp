@@ -123,9 +123,7 @@ private:
             std::vector<bool> without_head(successors_.size(), false);
             for (const int b : components[c]) without_head[b] = b != head;
             for (const int successor : successors_[head])
-                if (without_head[successor] &&
-                    position_[successor] < 0)
-                    arrange_and_remove(successor, without_head);
+                if (without_head[successor] && position_[successor] < 0) arrange_and_remove(successor, without_head);
             for (const int b : components[c])
                 if (position_[b] < 0) arrange_and_remove(b, without_head);
         }
@@ -382,24 +380,27 @@ auto Walk::run_function(const IrFunction& f, std::vector<Value> arguments, Memor
 }
 
 /// Prepares a call: finds the successors of each block, and the order in which the blocks run.
-Walk::CallFrame Walk::make_frame(const IrFunction& f, int caller) {
-    CallFrame frame{.function = &f, .caller = caller, .positions = {}, .blocks = {}, .pending = {}, .visits = {}};
-    for (std::size_t b = 0; b < f.blocks.size(); ++b) frame.blocks[f.blocks[b].name] = static_cast<int>(b);
+Walk::CallFrame Walk::make_frame(const IrFunction& function, int caller) {
+    CallFrame frame{
+        .function = &function, .caller = caller, .positions = {}, .blocks = {}, .pending = {}, .visits = {}};
+    for (std::size_t b = 0; b < function.blocks.size(); ++b)
+        frame.blocks[function.blocks[b].name] = static_cast<int>(b);
 
-    std::vector<std::vector<int>> successors(f.blocks.size());
-    for (std::size_t b = 0; b < f.blocks.size(); ++b)
-        for (const std::string& label : labels_in(f.blocks[b].lines.empty() ? "" : f.blocks[b].lines.back()))
+    std::vector<std::vector<int>> successors(function.blocks.size());
+    for (std::size_t b = 0; b < function.blocks.size(); ++b)
+        for (const std::string& label :
+             labels_in(function.blocks[b].lines.empty() ? "" : function.blocks[b].lines.back()))
             if (const auto block = frame.blocks.find(label); block != frame.blocks.end())
                 successors[b].push_back(block->second);
     frame.positions = BlockOrder(successors).positions();
-    frame.visits.assign(f.blocks.size(), 0);
+    frame.visits.assign(function.blocks.size(), 0);
     return frame;
 }
 
 /// Sets the registers of the parameters. A structure that is passed by value is copied.
-void Walk::set_parameters(MemoryState& state, const IrFunction& f, const std::vector<Value>& arguments) {
-    for (std::size_t k = 0; k < f.parameters.size(); ++k) {
-        const IrParameter& p = f.parameters[k];
+void Walk::set_parameters(MemoryState& state, const IrFunction& function, const std::vector<Value>& arguments) {
+    for (std::size_t k = 0; k < function.parameters.size(); ++k) {
+        const IrParameter& p = function.parameters[k];
         Value argument = arguments[k];
         if (p.by_value != nullptr) {
             const Value copy = load(state, argument, p.by_value->size);

@@ -131,10 +131,10 @@ private:
     std::optional<Value> read_phi(const CallFrame& frame, MemoryState& state, const Type& type, Cursor& cursor);
     void branch(CallFrame& frame, MemoryState& state, Mask when, const std::string& target);
     void add_return_state(CallFrame& frame, MemoryState& state, Value value);
-    std::optional<std::pair<MemoryState, Value>> run_function(const IrFunction& f, std::vector<Value> arguments,
+    std::optional<std::pair<MemoryState, Value>> run_function(const IrFunction& function, std::vector<Value> arguments,
                                                               MemoryState state, int caller);
-    static CallFrame make_frame(const IrFunction& f, int caller);
-    void set_parameters(MemoryState& state, const IrFunction& f, const std::vector<Value>& arguments);
+    static CallFrame make_frame(const IrFunction& function, int caller);
+    void set_parameters(MemoryState& state, const IrFunction& function, const std::vector<Value>& arguments);
     void run_blocks(CallFrame& frame);
     Answer read_answer(const MemoryState& state);
 

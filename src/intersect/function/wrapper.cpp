@@ -217,9 +217,9 @@ private:
 /// Writes the parameters of the call. Each takes the bytes of an argument, or of a part of one.
 class ParameterWriter {
 public:
-    ParameterWriter(const UserSignature& signature, const IrFunction& f, IrWriter& writer,
+    ParameterWriter(const UserSignature& signature, const IrFunction& function, IrWriter& writer,
                     const std::string& message_prefix)
-        : signature_(signature), f_(f), writer_(writer), message_prefix_(message_prefix) {}
+        : signature_(signature), f_(function), writer_(writer), message_prefix_(message_prefix) {}
 
     /// Returns the list of the parameters. The array after the arrays of the arguments receives the result.
     std::string write() {

@@ -17,14 +17,14 @@ struct BisectRefined {
                                .roots = Roots::first_only};
 
     template <Number T, class Field, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch) {
         constexpr int doublings = 8;
         const T zero(0), two(2);
-        const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
+        const auto m = march(ray, field, constants, watch, [&](const T& d, const T&) { return d < constants.hit_eps; });
         auto is_inside = m.hit && m.d < zero;  // the last step already went through the surface
         T low = select(is_inside, m.t_before, m.t);
         T high = m.t;
-        T distance = c.hit_eps;
+        T distance = constants.hit_eps;
 
         // Steps further along the ray until a point lies inside.
         for (int i = 0; i < doublings && any_of(m.hit && !is_inside); ++i) {
@@ -35,7 +35,7 @@ struct BisectRefined {
         }
 
         // Halves the interval between the last point outside and that point.
-        for (int i = 0; i < c.bisect_steps && any_of(is_inside); ++i) {
+        for (int i = 0; i < constants.bisect_steps && any_of(is_inside); ++i) {
             const T middle = (low + high) / two;
             const auto is_beyond = field(point_on_ray(ray, middle)) < zero;
             high = select(is_beyond, middle, high);

@@ -15,8 +15,9 @@ struct ConeEps {
                                .roots = Roots::first_only};
 
     template <Number T, class Field, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
-        const auto m = march(ray, field, c, watch, [&](const T& d, const T& t) { return d < c.cone * t; });
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch) {
+        const auto m =
+            march(ray, field, constants, watch, [&](const T& d, const T& t) { return d < constants.cone * t; });
         return single_hit(m.hit, select(m.hit, m.t_before, m.t));
     }
 };

@@ -44,12 +44,12 @@ Vec<T> point_on_ray(const Ray<T>& ray, const T& t) {
 /// Repeats d = field(o + t·dir). If `is_close(d, t)`, the march ends as a hit. Otherwise t += d, and the march ends as
 /// a miss once t > max_dist. Source: SDF Sphere Marching, step 3.
 template <Number T, class Field, class Watch, class IsClose>
-MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch,
+MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch,
                       const IsClose& is_close) {
     const T zero(0);
     auto active = zero <= zero;
     MarchSamples<T> m{!active, zero, zero, zero, zero};
-    for (int i = 0; i < c.max_steps && any_of(active); ++i) {
+    for (int i = 0; i < constants.max_steps && any_of(active); ++i) {
         const Vec<T> p = point_on_ray(ray, m.t);
         const T d = field(p);
         watch(active, m.t, p, d);
@@ -62,7 +62,7 @@ MarchSamples<T> march(const Ray<T>& ray, const Field& field, const MarchConstant
         m.t_before = select(active, m.t, m.t_before);
         m.t = select(active, m.t + d, m.t);
         watch.on_step(active, m.t);
-        active = active && !(m.t > c.max_dist);
+        active = active && !(m.t > constants.max_dist);
     }
     return m;
 }

@@ -17,19 +17,19 @@ struct OverRelaxed {
                                .roots = Roots::first_only};
 
     template <Number T, class Field, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch) {
         const T zero(0), one(1);
         auto active = zero <= zero;
         auto hit = !active;
-        T t = zero, omega = c.over_relaxation;
+        T t = zero, omega = constants.over_relaxation;
         T t_last = zero, d_last = zero, step = zero;
-        for (int i = 0; i < c.max_steps && any_of(active); ++i) {
+        for (int i = 0; i < constants.max_steps && any_of(active); ++i) {
             const Vec<T> p = point_on_ray(ray, t);
             const T d = field(p);
             watch(active, t, p, d);
 
             const auto is_undone = omega > one && abs(d) + abs(d_last) < step;
-            hit = hit || (active && !is_undone && d < c.hit_eps);
+            hit = hit || (active && !is_undone && d < constants.hit_eps);
             active = active && !hit;
 
             // Moves to the next point, or back to the safe step.
@@ -41,7 +41,7 @@ struct OverRelaxed {
             t = select(active, next, t);
 
             watch.on_step(active, t, is_undone);
-            active = active && !(t > c.max_dist);
+            active = active && !(t > constants.max_dist);
         }
         return single_hit(hit, t);
     }

@@ -14,8 +14,9 @@ struct RelativeEps {
                                .roots = Roots::first_only};
 
     template <Number T, class Field, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
-        const auto m = march(ray, field, c, watch, [&](const T& d, const T& t) { return d < c.relative_eps * t; });
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch) {
+        const auto m =
+            march(ray, field, constants, watch, [&](const T& d, const T& t) { return d < constants.relative_eps * t; });
         return single_hit(m.hit, m.t);
     }
 };

@@ -16,10 +16,10 @@ struct SecantRefined {
                                .roots = Roots::first_only};
 
     template <Number T, class Field, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
-        const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch) {
+        const auto m = march(ray, field, constants, watch, [&](const T& d, const T&) { return d < constants.hit_eps; });
         T t = m.t, d = m.d, t_before = m.t_before, d_before = m.d_before;
-        for (int i = 0; i < c.secant_steps; ++i) {
+        for (int i = 0; i < constants.secant_steps; ++i) {
             const auto is_falling = d_before > d;
             const T slope = select(is_falling, d_before - d, T(1));
             const T next = select(is_falling, t + d * ((t - t_before) / slope), t);

@@ -16,8 +16,8 @@ struct SphereTrace {
                                .roots = Roots::first_only};
 
     template <Number T, class Field, class Watch>
-    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& c, Watch& watch) {
-        const auto m = march(ray, field, c, watch, [&](const T& d, const T&) { return d < c.hit_eps; });
+    static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch) {
+        const auto m = march(ray, field, constants, watch, [&](const T& d, const T&) { return d < constants.hit_eps; });
         return single_hit(m.hit, m.t);
     }
 };

@@ -128,13 +128,13 @@ std::string site_declarations(const std::string& text) {
 }
 
 /// Code of the loop that marches a field. Its constants are written as decimals that are read back without a change.
-std::string march_code(const Signature& s, const ShaderMarch& march, const std::string& call) {
-    const auto number = [&s](double x) {
+std::string march_code(const Signature& signature, const ShaderMarch& march, const std::string& call) {
+    const auto number = [&signature](double x) {
         std::array<char, 40> text{};
-        std::snprintf(text.data(), text.size(), "%.17e%s", x, s.is_double ? "LF" : "");
+        std::snprintf(text.data(), text.size(), "%.17e%s", x, signature.is_double ? "LF" : "");
         return std::string(text.data());
     };
-    const std::string real = s.is_double ? "double" : "float", vector = s.is_double ? "dvec3" : "vec3";
+    const std::string real = signature.is_double ? "double" : "float", vector = signature.is_double ? "dvec3" : "vec3";
     return "    " + real + " lb_t = " + real + "(0), lb_says = " + real + "(-1);\n    for (int lb_k = 0; lb_k < " +
            std::to_string(march.max_steps) + "; ++lb_k) {\n        " + vector +
            " lb_point = lb_origin + lb_direction * lb_t;\n        " + real + " lb_d = " + call +
@@ -145,37 +145,37 @@ std::string march_code(const Signature& s, const ShaderMarch& march, const std::
 }
 
 /// Code that calls the function and stores its answer.
-std::string call_code(const Signature& s, const ShaderMarch& march) {
+std::string call_code(const Signature& signature, const ShaderMarch& march) {
     using Answers = Signature::Answers;
 
     // Declares a variable for each output; one that is also an input receives the end of the ray.
     std::string code, list;
-    for (std::size_t k = 0; k < s.arguments.size(); ++k) {
-        const Parameter& p = s.function.parameters[k];
+    for (std::size_t k = 0; k < signature.arguments.size(); ++k) {
+        const Parameter& p = signature.function.parameters[k];
         if (p.qualifier != Parameter::Qualifier::in)
-            code += "    " + p.type + " " + s.arguments[k] + " = " + p.type + "(0);\n";
+            code += "    " + p.type + " " + signature.arguments[k] + " = " + p.type + "(0);\n";
         if (p.qualifier == Parameter::Qualifier::inout && (p.type == "float" || p.type == "double"))
-            code += "    " + s.arguments[k] + " = lb_tmax;\n";
-        list += (k == 0 ? "" : ", ") + s.arguments[k];
+            code += "    " + signature.arguments[k] + " = lb_tmax;\n";
+        list += (k == 0 ? "" : ", ") + signature.arguments[k];
     }
 
     // Calls the function, or marches it if it is a field.
-    const std::string call = s.function.name + "(" + list + ")";
-    code += s.kind == Signature::Kind::field ? march_code(s, march, call)
-                                             : "    " + s.function.type + " lb_says = " + call + ";\n";
+    const std::string call = signature.function.name + "(" + list + ")";
+    code += signature.kind == Signature::Kind::field ? march_code(signature, march, call)
+                                                     : "    " + signature.function.type + " lb_says = " + call + ";\n";
 
     // Stores the numbers of the answer, and whether it is a hit.
     const auto store = [&code](const std::string& near, const std::string& far) {
         code += "    lb_answers[2u * lb_i] = " + near + ";\n    lb_answers[2u * lb_i + 1u] = " + far + ";\n";
     };
-    switch (s.answers) {
+    switch (signature.answers) {
         case Answers::t: store("lb_says", "lb_says"); break;
         case Answers::near_far: store("lb_says.x", "lb_says.y"); break;
         case Answers::hit: break;
-        case Answers::hit_and_t: store(s.outputs[0], s.outputs[0]); break;
-        case Answers::hit_and_near_far: store(s.outputs[0], s.outputs[1]); break;
+        case Answers::hit_and_t: store(signature.outputs[0], signature.outputs[0]); break;
+        case Answers::hit_and_near_far: store(signature.outputs[0], signature.outputs[1]); break;
     }
-    const bool returns_hit = s.function.type == "bool";
+    const bool returns_hit = signature.function.type == "bool";
     return code + "    lb_hits[lb_i] = " + (returns_hit ? "lb_says ? 1u : 0u" : "1u") + ";\n";
 }
 
@@ -227,9 +227,9 @@ std::string hlsl_prologue() {
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }
 
-std::string main_code(const Signature& s, const ShaderMarch& march, bool is_hlsl) {
-    const std::string real = s.is_double ? "double" : "float", v = s.is_double ? "dvec" : "vec";
-    const std::string count = std::to_string(row_of(s.shape).number_count);
+std::string main_code(const Signature& signature, const ShaderMarch& march, bool is_hlsl) {
+    const std::string real = signature.is_double ? "double" : "float", v = signature.is_double ? "dvec" : "vec";
+    const std::string count = std::to_string(row_of(signature.shape).number_count);
     std::string code = is_hlsl ? hlsl_prologue() : glsl_prologue(real);
     const auto declare_vector = [&](const std::string& name, const char* array, std::size_t first) {
         code += "    " + v + "3 " + name + " = " + v + "3(";
@@ -245,7 +245,7 @@ std::string main_code(const Signature& s, const ShaderMarch& march, bool is_hlsl
     code += "    for (uint k = 0u; k < " + count + "u; ++k) lb_primitive[k] = lb_primitives[lb_stride * lb_i + k];\n";
     declare_vector("lb_origin", "lb_ray", 0);
     declare_vector("lb_direction", "lb_ray", 3);
-    for_each_key(s.shape, [&](const Key& key, std::size_t k) {
+    for_each_key(signature.shape, [&](const Key& key, std::size_t k) {
         if (key.count() == 3) declare_vector("lb_" + std::string(key.name), "lb_primitive", k);
     });
 
@@ -253,7 +253,7 @@ std::string main_code(const Signature& s, const ShaderMarch& march, bool is_hlsl
     code +=
         "    " + real + " lb_tmax = lb_has_ends != 0u ? lb_ends[lb_i] : " + real + "(uintBitsToFloat(0x7f800000u));\n";
     code += "    " + real + " lb_tmin = lb_has_starts != 0u ? lb_starts[lb_i] : " + real + "(0);\n";
-    return code + call_code(s, march) + "}\n";
+    return code + call_code(signature, march) + "}\n";
 }
 
 const std::map<std::string_view, std::string_view>& types_of_doubles() {

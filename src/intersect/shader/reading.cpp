@@ -158,7 +158,7 @@ std::string Function::declaration() const {
     std::string text = type + " " + name + "(";
     for (const Parameter& p : parameters) {
         if (&p != &parameters.front()) text += ", ";
-        text += std::string(qualifier_text[p.qualifier]) + p.type +
+        text += std::string(qualifier_text[static_cast<std::size_t>(p.qualifier)]) + p.type +
                 (p.name.empty() ? "" : " " + p.name);
     }
     return text + ")";

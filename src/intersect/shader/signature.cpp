@@ -34,10 +34,10 @@ bool is_named(const Key& key, const std::string& name) {
 }
 
 /// Returns the key of a shape with that name and that number of numbers; null if the shape has no such key.
-const Key* key_named(const ShapeRow& shape_row, const std::string& name, std::size_t numbers) {
-    const auto key =
-        std::ranges::find_if(shape_row.keys, [&](const Key& k) { return k.count() == numbers && is_named(k, name); });
-    return key == shape_row.keys.end() ? nullptr : &*key;
+const Key* key_named(const ShapeRow& shape_row, const std::string& name, std::size_t number_count) {
+    const auto found = std::ranges::find_if(
+        shape_row.keys, [&](const Key& key) { return key.count() == number_count && is_named(key, name); });
+    return found == shape_row.keys.end() ? nullptr : &*found;
 }
 
 /// Returns the expression for the argument with the name of a vec3; empty if the name is not recognised. The keys of

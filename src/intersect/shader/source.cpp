@@ -104,17 +104,17 @@ MissSentinel read_miss_sentinel(const Property& property) {
                      "number from which on t means a miss, such as 1e20");
 }
 
-std::string place_text(const std::string& path, const Function& f) {
-    return path + ":" + std::to_string(f.line) + ":" + std::to_string(f.column);
+std::string place_text(const std::string& path, const Function& function) {
+    return path + ":" + std::to_string(function.line) + ":" + std::to_string(function.column);
 }
 
 std::string list_text(const std::vector<Function>& functions) {
     constexpr std::size_t max_listed = 30;
     std::string text;
-    for (const Function& f : functions) {
-        if (&f - functions.data() == max_listed)
+    for (const Function& function : functions) {
+        if (&function - functions.data() == max_listed)
             return text + "\n  and " + std::to_string(functions.size() - max_listed) + " more";
-        text += "\n  line " + std::to_string(f.line) + ": " + f.declaration();
+        text += "\n  line " + std::to_string(function.line) + ": " + function.declaration();
     }
     return text;
 }
@@ -124,12 +124,12 @@ std::string list_text(const std::vector<Function>& functions) {
 std::vector<Function> candidate_functions(const std::vector<Function>& functions) {
     std::vector<Function> best;
     auto kind = Signature::Kind::field;
-    for (const Function& f : functions) {
-        const auto signature = read_signature(f);
+    for (const Function& function : functions) {
+        const auto signature = read_signature(function);
         if (!signature || (!best.empty() && signature->kind > kind)) continue;
         if (signature->kind < kind) best.clear();
         kind = signature->kind;
-        best.push_back(f);
+        best.push_back(function);
     }
     return best;
 }
@@ -149,7 +149,7 @@ Signature choose_function(const std::string& path, const std::vector<Function>& 
     std::vector<Function> chosen;
     if (function_property)
         std::ranges::copy_if(functions, std::back_inserter(chosen),
-                             [&](const Function& f) { return f.name == function_property->value; });
+                             [&](const Function& function) { return function.name == function_property->value; });
     else chosen = candidate_functions(functions);
 
     if (chosen.empty() && function_property)
@@ -164,8 +164,8 @@ Signature choose_function(const std::string& path, const std::vector<Function>& 
                          path + ":" + chosen.back().name + ":" + list_text(chosen));
 
     // A function may have overloads of other types.
-    for (const Function& f : chosen) {
-        if (auto signature = read_signature(f, function_property != nullptr)) return *signature;
+    for (const Function& function : chosen) {
+        if (auto signature = read_signature(function, function_property != nullptr)) return *signature;
     }
     throw InputError(place_text(path, chosen.front()) + ": `" + chosen.front().declaration() +
                      "` does not have the types of an intersector, which are:" + std::string(known_signatures) +
@@ -247,14 +247,14 @@ void apply_property(const Property& property, ShaderSource& shader) {
 }
 
 /// Throws InputError if the function does not receive where rays begin and end.
-void require_range(const std::string& path, const Signature& s) {
-    const std::string message_start =
-        place_text(path, s.function) + ": flags=range is given, but `" + s.function.declaration() + "` ";
-    if (s.kind == Signature::Kind::field)
+void require_range(const std::string& path, const Signature& signature) {
+    const std::string message_start = place_text(path, signature.function) + ": flags=range is given, but `" +
+                                      signature.function.declaration() + "` ";
+    if (signature.kind == Signature::Kind::field)
         throw InputError(message_start +
                          "is a field: the loop around it begins at 0; write the march yourself, or leave range out: "
                          "lostbits then accepts only answers in the range");
-    if (!s.takes_start || !s.takes_end)
+    if (!signature.takes_start || !signature.takes_end)
         throw InputError(
             message_start +
             "has no parameters for where rays begin and end; add `float tmin, float tmax`, or leave range out: "

@@ -23,7 +23,7 @@ inline constexpr std::array<std::string_view, 4> isa_names{"scalar", "128", "256
 /// Bytes of a register.
 constexpr std::size_t bytes_of(Isa isa) { return isa == Isa::w512 ? 64 : isa == Isa::w256 ? 32 : 16; }
 
-inline constexpr std::string_view name_of(Isa isa) { return isa_names[isa]; }
+inline constexpr std::string_view name_of(Isa isa) { return isa_names[static_cast<std::size_t>(isa)]; }
 /// Returns the width with that name; empty for a name that is not in `isa_names`.
 std::optional<Isa> find_isa(std::string_view name);
 

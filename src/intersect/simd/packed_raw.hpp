@@ -32,10 +32,10 @@ struct RawBatch {
 /// One ray against whole packs of primitives, structure of arrays: `size` is a multiple of the lanes.
 template <class F>
 struct RawPrimitives {
-    const F* ray;                         ///< ox, oy, oz, dx, dy, dz
+    const F* ray;                        ///< ox, oy, oz, dx, dy, dz
     const F* numbers[max_number_count];  ///< a column for each number of the form's shape, in the order of `Primitive`
-    F* t;                                 ///< for spheres written; for boxes, tmax at the call, and tmin after a hit
-    std::uint8_t* hit;                    ///< only for spheres
+    F* t;                                ///< for spheres written; for boxes, tmax at the call, and tmin after a hit
+    std::uint8_t* hit;                   ///< only for spheres
     std::size_t size;
 };
 

@@ -12,9 +12,7 @@ namespace lostbits::intersect::table {
 /// `target`.
 inline TapeOutputs append_tape(const Tape& form, const std::vector<NodeId>& inputs, Tape& target) {
     std::vector<NodeId> new_index(form.nodes.size());
-    const auto renumber = [&new_index](NodeId node) {
-        return node == no_node ? no_node : new_index[node];
-    };
+    const auto renumber = [&new_index](NodeId node) { return node == no_node ? no_node : new_index[node]; };
 
     for (NodeId i = 0; i < form.size(); ++i) {
         const TapeNode& n = form[i];

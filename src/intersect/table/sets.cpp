@@ -86,7 +86,7 @@ void fill_conventions(FormSet& set) {
         bool are_equal = true;
         for (const Intersector* const part : set.parts) {
             const Convention own = part->info->convention(touchings[j]);
-            set.conventions[j][part->shape] = own;
+            set.conventions[j][static_cast<std::size_t>(part->shape)] = own;
             are_equal = are_equal && own == set.parts.front()->info->convention(touchings[j]);
         }
         set.info.by_shape[j] = are_equal ? nullptr : set.conventions[j].data();

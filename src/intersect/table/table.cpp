@@ -49,7 +49,7 @@ void register_intersectors(const std::vector<Intersector>& forms) {
 std::span<const Intersector> intersectors(Shape shape) {
     const auto all = catalogue();
     const auto first = std::ranges::find(all, shape, &Intersector::shape);
-    const auto last = std::find_if(first, all.end(), [shape](const Intersector& i) { return i.shape != shape; });
+    const auto last = std::find_if(first, all.end(), [shape](const Intersector& form) { return form.shape != shape; });
     return {first, last};
 }
 

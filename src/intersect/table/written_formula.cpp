@@ -52,15 +52,17 @@ public:
         index_in_kind_.reserve(formula.operations.size());
         numbers_.reserve(formula.operations.size());
         std::array<std::size_t, 3> counts{};
-        for (const WrittenOperation& w : formula.operations)
-            index_in_kind_.push_back(counts[is_decision(w.op) ? 0 : w.wide ? 1 : 2]++);
+        for (const WrittenOperation& operation : formula.operations)
+            index_in_kind_.push_back(counts[is_decision(operation.op) ? 0 : operation.wide ? 1 : 2]++);
     }
 
     /// Computes the constants once for all runs. This is for numbers that do not record their operations.
     void make_constants() {
         constexpr bool is_widest = std::same_as<T, typename Wider<T>::type>;  // then wide constants are T's, too
-        for (const WrittenOperation& w : formula_.operations)
-            constants_.push_back(w.op == TapeOp::constant && (is_widest || !w.wide) ? constant<T>(w.value) : T(0));
+        for (const WrittenOperation& operation : formula_.operations)
+            constants_.push_back(operation.op == TapeOp::constant && (is_widest || !operation.wide)
+                                     ? constant<T>(operation.value)
+                                     : T(0));
     }
 
     /// Computes the answer to one ray. It may be called again for the next one.
@@ -100,8 +102,8 @@ private:
         const auto number_at = [&](NodeId root) {
             return numbers_[index_in_kind_[root == no_node ? formula_.t : root]];
         };
-        return {masks_[index_in_kind_[formula_.hit]], number_at(formula_.t),
-                number_at(formula_.near), number_at(formula_.far)};
+        return {masks_[index_in_kind_[formula_.hit]], number_at(formula_.t), number_at(formula_.near),
+                number_at(formula_.far)};
     }
 
     /// Evaluates the rest of the formula twice, once for each outcome of the last decision, which is undecided, and
@@ -124,11 +126,11 @@ private:
             static_cast<void>(named(formula_.operations[i].label, numbers.back()));
     }
     template <class N>
-    const N& x(const std::vector<N>& numbers, const WrittenOperation& w, std::size_t k) const {
-        return numbers[index_in_kind_[w.operands[k]]];
+    const N& x(const std::vector<N>& numbers, const WrittenOperation& operation, std::size_t k) const {
+        return numbers[index_in_kind_[operation.operands[k]]];
     }
-    mask_t<T> m(const WrittenOperation& w, std::size_t k) const {
-        return masks_[index_in_kind_[w.operands[k]]];
+    mask_t<T> m(const WrittenOperation& operation, std::size_t k) const {
+        return masks_[index_in_kind_[operation.operands[k]]];
     }
     template <class N, class Input>
     N number(const std::vector<N>& numbers, const WrittenOperation& w, const Input& input) const {
@@ -142,8 +144,7 @@ private:
                 else return Wider<T>::widen(input(static_cast<std::size_t>(w.operands[0])));
             case TapeOp::constant:
                 if constexpr (std::is_same_v<N, T>)
-                    if (!constants_.empty())
-                        return constants_[&w - formula_.operations.data()];
+                    if (!constants_.empty()) return constants_[&w - formula_.operations.data()];
                 return constant<N>(w.value);
 
             // Arithmetic. The same operand twice is a square, which enclosures bound more tightly.
@@ -169,23 +170,23 @@ private:
         }
     }
     template <class N>
-    mask_t<T> comparison(const std::vector<N>& numbers, const WrittenOperation& w) const {
-        switch (w.op) {
-            case TapeOp::less: return x(numbers, w, 0) < x(numbers, w, 1);
-            case TapeOp::less_equal: return x(numbers, w, 0) <= x(numbers, w, 1);
-            case TapeOp::greater: return x(numbers, w, 0) > x(numbers, w, 1);
-            default: return x(numbers, w, 0) >= x(numbers, w, 1);
+    mask_t<T> comparison(const std::vector<N>& numbers, const WrittenOperation& operation) const {
+        switch (operation.op) {
+            case TapeOp::less: return x(numbers, operation, 0) < x(numbers, operation, 1);
+            case TapeOp::less_equal: return x(numbers, operation, 0) <= x(numbers, operation, 1);
+            case TapeOp::greater: return x(numbers, operation, 0) > x(numbers, operation, 1);
+            default: return x(numbers, operation, 0) >= x(numbers, operation, 1);
         }
     }
-    mask_t<T> decision(const WrittenOperation& w) const {
-        switch (w.op) {
-            case TapeOp::logical_and: return m(w, 0) && m(w, 1);
-            case TapeOp::logical_or: return m(w, 0) || m(w, 1);
-            case TapeOp::logical_not: return !m(w, 0);
+    mask_t<T> decision(const WrittenOperation& operation) const {
+        switch (operation.op) {
+            case TapeOp::logical_and: return m(operation, 0) && m(operation, 1);
+            case TapeOp::logical_or: return m(operation, 0) || m(operation, 1);
+            case TapeOp::logical_not: return !m(operation, 0);
             default: break;
         }
-        const bool wide = formula_.operations[w.operands[0]].wide;
-        return wide ? comparison(wide_, w) : comparison(numbers_, w);
+        const bool wide = formula_.operations[operation.operands[0]].wide;
+        return wide ? comparison(wide_, operation) : comparison(numbers_, operation);
     }
 
     const WrittenFormula& formula_;
@@ -295,80 +296,80 @@ bool takes_decision(TapeOp op, std::size_t k) {
     return kind_of(op) == OperationKind::logic || (op == TapeOp::select && k == 0);
 }
 
-[[noreturn]] void fail_operation(const WrittenFormula& f, std::size_t i, const std::string& why) {
-    throw InputError(f.name + ": operation " + std::to_string(i) + ", " + std::string(name_of(f.operations[i].op)) +
-                     ", " + why);
+[[noreturn]] void fail_operation(const WrittenFormula& formula, std::size_t i, const std::string& why) {
+    throw InputError(formula.name + ": operation " + std::to_string(i) + ", " +
+                     std::string(name_of(formula.operations[i].op)) + ", " + why);
 }
 
 /// Throws InputError unless each operand of operation i comes before it and has the kind and the format that it takes.
-void require_valid_operands(const WrittenFormula& f, std::size_t i) {
-    const WrittenOperation& w = f.operations[i];
+void require_valid_operands(const WrittenFormula& formula, std::size_t i) {
+    const WrittenOperation& w = formula.operations[i];
     bool first_is_wide = false;
     for (std::size_t k = 0; !is_given(w.op) && k < row_of(w.op).operands; ++k) {
         const std::int32_t a = w.operands[k];
         if (a < 0 || static_cast<std::size_t>(a) >= i)
-            fail_operation(f, i, "takes operation " + std::to_string(a) + ", which does not come before it");
-        if (is_decision(f.operations[a].op) != takes_decision(w.op, k))
-            fail_operation(f, i,
+            fail_operation(formula, i, "takes operation " + std::to_string(a) + ", which does not come before it");
+        if (is_decision(formula.operations[a].op) != takes_decision(w.op, k))
+            fail_operation(formula, i,
                            takes_decision(w.op, k) ? "takes a number where it needs a decision"
                                                    : "takes a decision where it needs a number");
         if (takes_decision(w.op, k)) continue;
 
         // Only a conversion takes numbers of another format than its own; the numbers of a comparison share one.
-        const bool is_wide = f.operations[a].wide;
+        const bool is_wide = formula.operations[a].wide;
         if (is_comparison(w.op) && k == 0) first_is_wide = is_wide;
         const bool has_right_format =
             is_comparison(w.op) ? is_wide == first_is_wide : (is_wide == w.wide) != (w.op == TapeOp::convert);
-        if (!has_right_format) fail_operation(f, i, "takes numbers of the wrong format; convert them first");
+        if (!has_right_format) fail_operation(formula, i, "takes numbers of the wrong format; convert them first");
     }
 }
 
 /// Throws InputError unless the answers are a decision and numbers of the formula's own format.
-void require_valid_answers(const WrittenFormula& f) {
-    const auto is_index_of = [&f](NodeId i, bool of_decision) {
-        return i >= 0 && static_cast<std::size_t>(i) < f.operations.size() &&
-               is_decision(f.operations[i].op) == of_decision;
+void require_valid_answers(const WrittenFormula& formula) {
+    const auto is_index_of = [&formula](NodeId i, bool of_decision) {
+        return i >= 0 && static_cast<std::size_t>(i) < formula.operations.size() &&
+               is_decision(formula.operations[i].op) == of_decision;
     };
-    if (!is_index_of(f.hit, true)) throw InputError(f.name + ": hit is not the index of a decision");
-    if (!is_index_of(f.t, false)) throw InputError(f.name + ": t is not the index of a number");
-    for (const NodeId i : {f.near, f.far})
+    if (!is_index_of(formula.hit, true)) throw InputError(formula.name + ": hit is not the index of a decision");
+    if (!is_index_of(formula.t, false)) throw InputError(formula.name + ": t is not the index of a number");
+    for (const NodeId i : {formula.near, formula.far})
         if (i != no_node && !is_index_of(i, false))
-            throw InputError(f.name + ": near or far is not the index of a number");
-    for (const NodeId i : {f.t, f.near, f.far})
-        if (i != no_node && f.operations[i].wide)
-            throw InputError(f.name + ": an answer is of the wider format; convert it first");
+            throw InputError(formula.name + ": near or far is not the index of a number");
+    for (const NodeId i : {formula.t, formula.near, formula.far})
+        if (i != no_node && formula.operations[i].wide)
+            throw InputError(formula.name + ": an answer is of the wider format; convert it first");
 }
 
 }  // namespace
 
-void require_valid(const WrittenFormula& f) {
-    const std::size_t input_count = 6 + row_of(f.shape).number_count + 1;
-    const bool has_wide = std::ranges::any_of(f.operations, &WrittenOperation::wide);
-    for (std::size_t i = 0; i < f.operations.size(); ++i) {
-        const WrittenOperation& w = f.operations[i];
+void require_valid(const WrittenFormula& formula) {
+    const std::size_t input_count = 6 + row_of(formula.shape).number_count + 1;
+    const bool has_wide = std::ranges::any_of(formula.operations, &WrittenOperation::wide);
+    for (std::size_t i = 0; i < formula.operations.size(); ++i) {
+        const WrittenOperation& w = formula.operations[i];
         if ((w.op == TapeOp::convert && !has_wide) || w.op == TapeOp::any || w.op == TapeOp::call)
-            fail_operation(f, i, "is not allowed: all numbers of a list are of one format, and a list has no loops");
+            fail_operation(formula, i,
+                           "is not allowed: all numbers of a list are of one format, and a list has no loops");
         if (w.op == TapeOp::input && !(w.operands[0] >= 0 && static_cast<std::size_t>(w.operands[0]) < input_count))
-            fail_operation(f, i,
+            fail_operation(formula, i,
                            "has number " + std::to_string(w.operands[0]) + "; inputs are numbered from 0 to " +
                                std::to_string(input_count - 1));
-        if (w.op == TapeOp::constant && std::isnan(w.value)) fail_operation(f, i, "is not a number");
-        require_valid_operands(f, i);
+        if (w.op == TapeOp::constant && std::isnan(w.value)) fail_operation(formula, i, "is not a number");
+        require_valid_operands(formula, i);
     }
-    require_valid_answers(f);
+    require_valid_answers(formula);
 }
 
 WrittenFormula formula_from_tape(const Tape& tape, Shape shape, std::string name) {
     WrittenFormula formula{.name = std::move(name), .shape = shape, .operations = {}};
     const std::uint8_t own_format = tape[tape.outputs.t].format;
-    for (const TapeNode& n : tape.nodes)
-        formula.operations.push_back({.op = n.op,
-                                      .operands = n.operands,
-                                      .value = n.value,
-                                      .label = std::string(n.label),
-                                      .wide = !is_decision(n.op) && n.format != own_format});
-    for (const NodeId decision : tape.branch_decisions)
-        formula.operations[decision].has_sides = true;
+    for (const TapeNode& node : tape.nodes)
+        formula.operations.push_back({.op = node.op,
+                                      .operands = node.operands,
+                                      .value = node.value,
+                                      .label = std::string(node.label),
+                                      .wide = !is_decision(node.op) && node.format != own_format});
+    for (const NodeId decision : tape.branch_decisions) formula.operations[decision].has_sides = true;
     formula.hit = tape.outputs.hit;
     formula.t = tape.outputs.t;
     formula.near = tape.outputs.near;

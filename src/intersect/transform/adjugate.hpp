@@ -23,8 +23,8 @@ struct AdjugateTransform : RelativeTransform {
         return {{row(0), row(1), row(2)}, m.shift};
     }
     template <Number T>
-    static ObjectRay<T> finish(const MatrixPair<T>& m, const Vec<T>&, const Ray<T>& ray) {
-        const T det = named("det", m.to_world.determinant()), sign = copysign(T(1), det);
+    static ObjectRay<T> finish(const MatrixPair<T>& matrices, const Vec<T>&, const Ray<T>& ray) {
+        const T det = named("det", matrices.to_world.determinant()), sign = copysign(T(1), det);
         return {{sign * ray.origin, sign * ray.direction}, T(1), abs(det)};
     }
 };

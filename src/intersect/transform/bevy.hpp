@@ -16,8 +16,8 @@ struct BevyTransform : CyclesTransform {
     };
 
     template <Number T>
-    static T back(const MatrixPair<T>& m, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
-        return named("|M t d'|", length(m.to_world.linear(named("t d'", Vec<T>(t * object_ray.ray.direction)))));
+    static T back(const MatrixPair<T>& matrices, const Ray<T>&, const ObjectRay<T>& object_ray, const T& t) {
+        return named("|M t d'|", length(matrices.to_world.linear(named("t d'", Vec<T>(t * object_ray.ray.direction)))));
     }
 };
 

@@ -19,12 +19,12 @@ struct CyclesTransform : NormalisingMethod {
         return adjugate_times_reciprocal(m);
     }
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
-        return PlainTransform::origin(m, o);
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
+        return PlainTransform::origin(matrices, o);
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
-        return PlainTransform::direction(m, d);
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
+        return PlainTransform::direction(matrices, d);
     }
 };
 

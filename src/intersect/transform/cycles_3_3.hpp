@@ -30,13 +30,13 @@ struct Cycles33Transform : EmbreeTransform {
     }
     /// The constant 8.271806E-25f of Cycles is 2^-80. It is 0 in formats whose exponents do not reach it.
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
         const T two_to_minus_10 = T(1) / T(1024), two_to_minus_20 = two_to_minus_10 * two_to_minus_10,
                 two_to_minus_40 = two_to_minus_20 * two_to_minus_20, min_magnitude = two_to_minus_40 * two_to_minus_40;
         const auto away_from_zero = [&](const T& x) {
             return select(abs(x) > min_magnitude, x, copysign(min_magnitude, x));
         };
-        const Vec<T> v = linear_by_fma(m.to_object, d);
+        const Vec<T> v = linear_by_fma(matrices.to_object, d);
         return named("d'", Vec<T>(away_from_zero(v.x), away_from_zero(v.y), away_from_zero(v.z)));
     }
 

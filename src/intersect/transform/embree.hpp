@@ -24,12 +24,12 @@ struct EmbreeTransform : SameTMethod {
         return inverse;
     }
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
-        return named("o'", point_by_fma(m.to_object, o));
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
+        return named("o'", point_by_fma(matrices.to_object, o));
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
-        return named("d'", linear_by_fma(m.to_object, d));
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
+        return named("d'", linear_by_fma(matrices.to_object, d));
     }
 };
 

@@ -21,12 +21,12 @@ struct InDoubleTransform : SameTMethod {
                 narrowed<T>(wide.shift)};
     }
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
-        return named("o'", narrowed<T>(RelativeTransform::origin(wide_maps(m), widened(o))));
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
+        return named("o'", narrowed<T>(RelativeTransform::origin(wide_maps(matrices), widened(o))));
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
-        return named("d'", narrowed<T>(RelativeTransform::direction(wide_maps(m), widened(d))));
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
+        return named("d'", narrowed<T>(RelativeTransform::direction(wide_maps(matrices), widened(d))));
     }
 
 private:
@@ -46,8 +46,8 @@ private:
         return {Wider<T>::narrow(v.x), Wider<T>::narrow(v.y), Wider<T>::narrow(v.z)};
     }
     template <Number T>
-    static MatrixPair<Wide<T>> wide_maps(const MatrixPair<T>& m) {
-        const Affine<Wide<T>> world = widened(m.to_world);
+    static MatrixPair<Wide<T>> wide_maps(const MatrixPair<T>& matrices) {
+        const Affine<Wide<T>> world = widened(matrices.to_world);
         return {world, RelativeTransform::inverse(world)};
     }
 };

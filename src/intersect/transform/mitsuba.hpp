@@ -18,17 +18,17 @@ struct MitsubaTransform : SameTMethod {
     }
     /// fma(a.z, o.z, fma(a.y, o.y, fma(a.x, o.x, τ))) for each row; τ is `shift`.
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
         const auto row_product = [&](std::size_t i) {
-            const Vec<T>& a = m.to_object.rows[i];
-            return fma(a.z, o.z, fma(a.y, o.y, fma(a.x, o.x, m.to_object.shift[static_cast<int>(i)])));
+            const Vec<T>& a = matrices.to_object.rows[i];
+            return fma(a.z, o.z, fma(a.y, o.y, fma(a.x, o.x, matrices.to_object.shift[static_cast<int>(i)])));
         };
         return named("o'", Vec<T>(row_product(0), row_product(1), row_product(2)));
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
         const auto row_product = [&](std::size_t i) {
-            const Vec<T>& a = m.to_object.rows[i];
+            const Vec<T>& a = matrices.to_object.rows[i];
             return fma(a.z, d.z, fma(a.y, d.y, a.x * d.x));
         };
         return named("d'", Vec<T>(row_product(0), row_product(1), row_product(2)));

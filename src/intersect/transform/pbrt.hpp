@@ -37,26 +37,26 @@ struct PbrtTransform : SameTMethod {
     }
     /// (a.x o.x + a.y o.y) + (a.z o.z + τ).
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
         const auto row_product = [&](std::size_t i) {
-            const Vec<T>& a = m.to_object.rows[i];
-            return (a.x * o.x + a.y * o.y) + (a.z * o.z + m.to_object.shift[static_cast<int>(i)]);
+            const Vec<T>& a = matrices.to_object.rows[i];
+            return (a.x * o.x + a.y * o.y) + (a.z * o.z + matrices.to_object.shift[static_cast<int>(i)]);
         };
         return named("o'", Vec<T>(row_product(0), row_product(1), row_product(2)));
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
-        return named("d'", m.to_object.linear(d));
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
+        return named("d'", matrices.to_object.linear(d));
     }
     /// o' + dt d' with dt = |d'|·δ/(d'·d') and δ = γ(3)(|a.x o.x| + |a.y o.y| + |a.z o.z| + |τ|), so that the moved
     /// origin does not lie before the exact one. dt is not added to the returned t.
     template <Number T>
-    static ObjectRay<T> finish(const MatrixPair<T>& m, const Vec<T>& o, const Ray<T>& ray) {
+    static ObjectRay<T> finish(const MatrixPair<T>& matrices, const Vec<T>& o, const Ray<T>& ray) {
         const T g = gamma_bound<T>(3);
         const auto bound = [&](std::size_t i) {
-            const Vec<T>& a = m.to_object.rows[i];
-            return g *
-                   (((abs(a.x * o.x) + abs(a.y * o.y)) + abs(a.z * o.z)) + abs(m.to_object.shift[static_cast<int>(i)]));
+            const Vec<T>& a = matrices.to_object.rows[i];
+            return g * (((abs(a.x * o.x) + abs(a.y * o.y)) + abs(a.z * o.z)) +
+                        abs(matrices.to_object.shift[static_cast<int>(i)]));
         };
         const Vec<T>& d = ray.direction;
         const T dt =

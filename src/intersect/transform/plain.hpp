@@ -19,12 +19,12 @@ struct PlainTransform : SameTMethod {
         return adjugate_over_determinant(m);
     }
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
-        return named("o'", m.to_object.point(o));
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
+        return named("o'", matrices.to_object.point(o));
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
-        return named("d'", m.to_object.linear(d));
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
+        return named("d'", matrices.to_object.linear(d));
     }
 };
 

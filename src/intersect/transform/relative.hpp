@@ -20,12 +20,12 @@ struct RelativeTransform : SameTMethod {
         return adjugate_over_determinant(m);
     }
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
-        return named("o'", m.to_object.linear(named("o - T", Vec<T>(o - m.to_world.shift))));
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
+        return named("o'", matrices.to_object.linear(named("o - T", Vec<T>(o - matrices.to_world.shift))));
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
-        return PlainTransform::direction(m, d);
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
+        return PlainTransform::direction(matrices, d);
     }
 };
 

@@ -22,9 +22,9 @@ struct ThreeJsTransform : CyclesTransform {
         return {{ray.origin, r * ray.direction}, length_of_d, T(1)};
     }
     template <Number T>
-    static T back(const MatrixPair<T>& m, const Ray<T>& world, const ObjectRay<T>& object_ray, const T& t) {
+    static T back(const MatrixPair<T>& matrices, const Ray<T>& world, const ObjectRay<T>& object_ray, const T& t) {
         const Vec<T> point = named("P'", Vec<T>(object_ray.ray.origin + t * object_ray.ray.direction));
-        return named("|P - o|", length(Vec<T>(named("P", m.to_world.point(point)) - world.origin)));
+        return named("|P - o|", length(Vec<T>(named("P", matrices.to_world.point(point)) - world.origin)));
     }
 };
 

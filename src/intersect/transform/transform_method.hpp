@@ -31,8 +31,8 @@ struct StepFunctions {
     ObjectRay<T> (*finish)(const MatrixPair<T>&, const Vec<T>& origin, const Ray<T>& object);
     T (*back)(const MatrixPair<T>&, const Ray<T>& world, const ObjectRay<T>&, const T& t);
 
-    [[nodiscard]] ObjectRay<T> to_object(const MatrixPair<T>& m, const Ray<T>& world) const {
-        return finish(m, world.origin, {origin(m, world.origin), direction(m, world.direction)});
+    [[nodiscard]] ObjectRay<T> to_object(const MatrixPair<T>& matrices, const Ray<T>& world) const {
+        return finish(matrices, world.origin, {origin(matrices, world.origin), direction(matrices, world.direction)});
     }
 };
 

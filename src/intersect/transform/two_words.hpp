@@ -28,14 +28,16 @@ struct TwoWordsTransform : SameTMethod {
         }
     }
     template <Number T>
-    static Vec<T> origin(const MatrixPair<T>& m, const Vec<T>& o) {
-        if constexpr (is_exact<T>) return RelativeTransform::origin(m, o);
-        else return named("o'", first_words(solve(m, Vec<Words<T>>(to_words(o) - to_words(m.to_world.shift)))));
+    static Vec<T> origin(const MatrixPair<T>& matrices, const Vec<T>& o) {
+        if constexpr (is_exact<T>) return RelativeTransform::origin(matrices, o);
+        else
+            return named("o'",
+                         first_words(solve(matrices, Vec<Words<T>>(to_words(o) - to_words(matrices.to_world.shift)))));
     }
     template <Number T>
-    static Vec<T> direction(const MatrixPair<T>& m, const Vec<T>& d) {
-        if constexpr (is_exact<T>) return RelativeTransform::direction(m, d);
-        else return named("d'", first_words(solve(m, to_words(d))));
+    static Vec<T> direction(const MatrixPair<T>& matrices, const Vec<T>& d) {
+        if constexpr (is_exact<T>) return RelativeTransform::direction(matrices, d);
+        else return named("d'", first_words(solve(matrices, to_words(d))));
     }
 
 private:
@@ -56,8 +58,8 @@ private:
     }
     /// adj(A) v/det(A).
     template <Number T>
-    static Vec<Words<T>> solve(const MatrixPair<T>& m, const Vec<Words<T>>& v) {
-        const Affine<Words<T>> world = to_words(m.to_world);
+    static Vec<Words<T>> solve(const MatrixPair<T>& matrices, const Vec<Words<T>>& v) {
+        const Affine<Words<T>> world = to_words(matrices.to_world);
         const Words<T> det = world.determinant();
         const Vec<Words<T>> scaled = times(world.adjugate(), v);
         return {scaled.x / det, scaled.y / det, scaled.z / det};

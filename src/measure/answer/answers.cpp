@@ -264,7 +264,9 @@ void test_candidates(const Kernel& kernel, const RayBlock& rays, const FormatInp
 /// does not say which primitive was hit.
 std::int32_t nearest_primitive(const Ray<double>& ray, double t, std::span<const Primitive<double>> primitives) {
     const Vec<double> p = intersect::sdf::point_on_ray(ray, t);
-    const auto distance = [&p](const Primitive<double>& s) { return std::fabs(intersect::table::distance(s, p)); };
+    const auto distance = [&p](const Primitive<double>& primitive) {
+        return std::fabs(intersect::table::distance(primitive, p));
+    };
     return static_cast<std::int32_t>(std::ranges::min_element(primitives, {}, distance) - primitives.begin());
 }
 

@@ -21,12 +21,15 @@ Interval mean(const Interval& a, const Interval& b) { return (a + b) / Interval(
 /// Returns +1 or −1 if all numbers are on that side of zero, else 0.
 int sign_of(const Interval& x) { return mpfr_sgn(x.lower()) > 0 ? 1 : mpfr_sgn(x.upper()) < 0 ? -1 : 0; }
 
-double largest_of(const FloatFormat& f) { return std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax); }
+double largest_of(const FloatFormat& format) {
+    return std::ldexp(2 - std::ldexp(1.0, 1 - format.precision), format.emax);
+}
 
 /// The nearest number of the format to x, rounded once.
-double nearest(mpfr_srcptr x, const FloatFormat& f) {
+double nearest(mpfr_srcptr x, const FloatFormat& format) {
     const double nearest_double = mpfr_get_d(x, MPFR_RNDN);
-    return f == binary64 ? nearest_double : rounding::to_format(nearest_double, mpfr_cmp_d(x, nearest_double), f);
+    return format == binary64 ? nearest_double
+                              : rounding::to_format(nearest_double, mpfr_cmp_d(x, nearest_double), format);
 }
 
 /// ⌊log2⌋ of the largest magnitude in x.
@@ -37,8 +40,8 @@ long exponent_of(const Interval& x) {
 
 /// Half of the last place of the largest magnitude in x, with both signs: 2^(e − p) below 2^(e + 1), and at least
 /// 2^(emin − p), which is 2^-150 in binary32. (A double cannot hold half of its own least number; an interval can.)
-Interval half_a_place(const Interval& x, const FloatFormat& f) {
-    const double last_place = std::ldexp(1.0, static_cast<int>(ulp_exponent(f, exponent_of(x))));
+Interval half_a_place(const Interval& x, const FloatFormat& format) {
+    const double last_place = std::ldexp(1.0, static_cast<int>(ulp_exponent(format, exponent_of(x))));
     return Interval::between(-last_place, last_place) / Interval(2);
 }
 
@@ -52,8 +55,8 @@ bool is_scale(const Interval& x) {
 /// True if a + b is exact. The difference of two numbers of a format that are within a factor 2 of each other is a
 /// number of the format (Sterbenz). Every sum below twice the least normal number is one too, because it is a multiple
 /// of the least number.
-bool is_exact_sum(const Interval& a, const Interval& b, const FloatFormat& f) {
-    if (exponent_of(a + b) <= f.emin) return true;
+bool is_exact_sum(const Interval& a, const Interval& b, const FloatFormat& format) {
+    if (exponent_of(a + b) <= format.emin) return true;
     const int sign = sign_of(a);
     if (sign == 0 || sign_of(b) != -sign) return false;
     const Interval x = abs(a), y = abs(b), two(2);

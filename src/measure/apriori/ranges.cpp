@@ -103,9 +103,8 @@ void apply_given_ranges(InputBox& box, const RangesRequest& request, const std::
         if (found == names.end())
             throw InputError(fmt::format("--input-range {}: {} has no input of that name; {}", given_range.name,
                                          request.form->info->name, text::did_you_mean(given_range.name, names)));
-        box[found - names.begin()] = {
-            rounding::to_format(given_range.range.low, 0, request.format.parameters),
-            rounding::to_format(given_range.range.high, 0, request.format.parameters)};
+        box[found - names.begin()] = {rounding::to_format(given_range.range.low, 0, request.format.parameters),
+                                      rounding::to_format(given_range.range.high, 0, request.format.parameters)};
     }
 }
 
@@ -116,10 +115,10 @@ bool contains(const InputBox& box, const std::vector<double>& ray) {
 }
 
 /// Error bound in ulps of the smallest |t| of a box.
-double ulps_of(const BoxBound& bound, const FloatFormat& f) {
+double ulps_of(const BoxBound& bound, const FloatFormat& format) {
     if (!(bound.error < HUGE_VAL)) return HUGE_VAL;
-    const long exponent = bound.min_t > 0 ? std::ilogb(bound.min_t) : f.emin;
-    return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(f, exponent)));
+    const long exponent = bound.min_t > 0 ? std::ilogb(bound.min_t) : format.emin;
+    return std::ldexp(bound.error, -static_cast<int>(ulp_exponent(format, exponent)));
 }
 
 /// Smallest x such that the numbers up to x have at least this fraction of the total weight.
@@ -133,7 +132,7 @@ double quantile(std::vector<std::pair<double, double>>& weighted, double fractio
 }
 
 void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, double>>& leaves, const TapeBound& bound,
-               const FloatFormat& f) {
+               const FloatFormat& format) {
     std::vector<std::pair<double, double>> errors, ulps;
     const SubBox* worst = nullptr;
     for (const auto& [part, fraction] : leaves) {
@@ -143,7 +142,7 @@ void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, d
             continue;
         }
 
-        const double in_ulps = ulps_of(box_bound, f);
+        const double in_ulps = ulps_of(box_bound, format);
         errors.emplace_back(box_bound.error, fraction);
         ulps.emplace_back(in_ulps, fraction);
         if (!(box_bound.error < HUGE_VAL)) {
@@ -165,7 +164,7 @@ void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, d
     // Shows which operations the bound of the worst box comes from.
     if (!worst) return;
     for (const double contribution : bound.node_contributions(worst->box))
-        result.node_contributions.push_back(ulps_of({.error = contribution, .min_t = worst->bound.min_t}, f));
+        result.node_contributions.push_back(ulps_of({.error = contribution, .min_t = worst->bound.min_t}, format));
 }
 
 }  // namespace

@@ -25,9 +25,9 @@ namespace {
 std::uint64_t structure_hash(const Tape& tape) {
     std::uint64_t h = 14695981039346656037u;
     const auto mix = [&h](std::uint64_t x) { h = (h ^ x) * 1099511628211u; };
-    for (const TapeNode& n : tape.nodes) {
-        mix(static_cast<std::uint64_t>(n.op));
-        for (const NodeId operand : n.operands) mix(static_cast<std::uint32_t>(operand));
+    for (const TapeNode& node : tape.nodes) {
+        mix(static_cast<std::uint64_t>(node.op));
+        for (const NodeId operand : node.operands) mix(static_cast<std::uint32_t>(operand));
     }
     return h;
 }
@@ -40,8 +40,7 @@ std::vector<std::string_view> leading_labels(const Tape& tape) {
         if (!n.label.empty()) labels[i] = n.label;
         // Users come later on the tape. The earliest of them is visited last, so its label stays.
         for (const NodeId operand : tape.operands_of(i)) {
-            if (tape[operand].label.empty() && !is_decision(n.op))
-                labels[operand] = labels[i];
+            if (tape[operand].label.empty() && !is_decision(n.op)) labels[operand] = labels[i];
         }
     }
     return labels;
@@ -117,8 +116,8 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
     if (!target) return labels;
     Tape tape;
     record_all(form, *target, setting, tape);
-    for (const TapeNode& n : tape.nodes) {
-        if (!n.label.empty() && std::ranges::find(labels, n.label) == labels.end()) labels.push_back(n.label);
+    for (const TapeNode& node : tape.nodes) {
+        if (!node.label.empty() && std::ranges::find(labels, node.label) == labels.end()) labels.push_back(node.label);
     }
     return labels;
 }

@@ -362,8 +362,8 @@ void explain_template(Explanation& explanation, const OneRay& ray, const OneRay:
     explanation.input_names =
         names_of_inputs(form, target, recorded_ray && recorded_ray->try_prepend_to(tape) ? &*recorded_ray : nullptr);
     append_range_checks(tape, explanation.input_names, form.form_for(explanation.shape), format, explanation.range);
-    for (const TapeNode& n : tape.nodes) {
-        if (n.op == TapeOp::input) explanation.input_values.push_back(n.value);
+    for (const TapeNode& node : tape.nodes) {
+        if (node.op == TapeOp::input) explanation.input_values.push_back(node.value);
     }
 
     // Attributes the error to its operations.
@@ -380,8 +380,7 @@ void explain_external(Explanation& explanation, const OneRay& ray, const OneRay:
     const Intersector& form = *explanation.form;
     explanation.input_names = intersect::bounding_box::names_on_tape(form, target);
     explanation.input_values = tape::inputs_of(
-        in.ray(*form.info), in.format_inputs.primitives[explanation.primitive_index],
-        explanation.range.tmax);
+        in.ray(*form.info), in.format_inputs.primitives[explanation.primitive_index], explanation.range.tmax);
     if (!explanation.range.is_whole()) {
         explanation.input_names.emplace_back("ray.tmin");
         explanation.input_values.push_back(explanation.range.tmin);

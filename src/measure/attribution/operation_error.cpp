@@ -126,22 +126,22 @@ double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f
     });
 }
 
-ErrorFactors error_factors_of(const TapeNode& n, const std::array<OperandError, 3>& x, NodeId chosen) {
+ErrorFactors error_factors_of(const TapeNode& node, const std::array<OperandError, 3>& x, NodeId chosen) {
     const auto quotients_of_kind = [&]<TapeOp op>() {
         return with_operands<op>([](const auto&... operands) { return Operation<op>::error_factors(operands...); },
                                  [&](std::size_t k) -> const OperandError& { return x[k]; });
     };
-    switch (kind_of(n.op)) {
+    switch (kind_of(node.op)) {
         case OperationKind::rounded:
         case OperationKind::exact:
         case OperationKind::sign:
             return visit_operation<OperationKind::rounded, OperationKind::exact, OperationKind::sign>(
-                n.op, quotients_of_kind);
+                node.op, quotients_of_kind);
         case OperationKind::next_or_converted: return {1};
         case OperationKind::comparison: return {1, -1};  // stands for the difference of its sides
         case OperationKind::choice: {
             ErrorFactors q;
-            q[std::ranges::find(n.operands, chosen) - n.operands.begin()] = 1;
+            q[std::ranges::find(node.operands, chosen) - node.operands.begin()] = 1;
             return q;
         }
         case OperationKind::called:

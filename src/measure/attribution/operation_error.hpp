@@ -35,6 +35,6 @@ double result_of(TapeOp op, const std::array<double, 3>& x, const FloatFormat& f
 
 /// Difference quotients of `OperationError`, or derivatives if the steps have no length. For a choice, which has no
 /// quotient of its own, 1 for `chosen`, the side that it chose. Not for calls.
-ErrorFactors error_factors_of(const TapeNode& n, const std::array<OperandError, 3>& x, NodeId chosen);
+ErrorFactors error_factors_of(const TapeNode& node, const std::array<OperandError, 3>& x, NodeId chosen);
 
 }  // namespace lostbits::measure::attribution

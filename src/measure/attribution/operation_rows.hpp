@@ -25,16 +25,16 @@ struct GivenText {
 
 template <>
 struct Operation<TapeOp::input> : GivenText {
-    static auto exact(auto e, const TapeNode& n) { return e.lift(n.value); }
+    static auto exact(auto e, const TapeNode& node) { return e.lift(node.value); }
     static double rounding(const TapeNode&) { return 0; }
 };
 
 template <>
 struct Operation<TapeOp::constant> : GivenText {
-    static auto exact(auto e, const TapeNode& n) {
-        return typename decltype(e)::Number(static_cast<int>(n.operands[0]));
+    static auto exact(auto e, const TapeNode& node) {
+        return typename decltype(e)::Number(static_cast<int>(node.operands[0]));
     }
-    static double rounding(const TapeNode& n) { return n.value - static_cast<double>(n.operands[0]); }
+    static double rounding(const TapeNode& node) { return node.value - static_cast<double>(node.operands[0]); }
 };
 
 template <>
@@ -42,7 +42,7 @@ struct Operation<TapeOp::add> {
     static constexpr OperationText text{
         .precedence = 1, .plain = "$1:1 + $2:1", .c = "$1 + $2", .c_wide = "sum($1, $2)", .fpcore = "(+ $1 $2)"};
     static auto exact(auto e, const auto& a, const auto& b) { return e.sum(a, b); }
-    static double computed(double a, double b, const FloatFormat& f) { return rounding::add(a, b, f); }
+    static double computed(double a, double b, const FloatFormat& format) { return rounding::add(a, b, format); }
     static std::optional<double> residual(double a, double b, double value) {
         if (!(std::fabs(a) <= error_free_high && std::fabs(b) <= error_free_high)) return {};
         const auto [s, e] = two_sum(a, b);
@@ -61,7 +61,7 @@ struct Operation<TapeOp::sub> {
                                         .c_wide = "sum($1, -$2)",
                                         .fpcore = "(- $1 $2)"};
     static auto exact(auto e, const auto& a, const auto& b) { return e.sum(a, -b); }
-    static double computed(double a, double b, const FloatFormat& f) { return rounding::add(a, -b, f); }
+    static double computed(double a, double b, const FloatFormat& format) { return rounding::add(a, -b, format); }
     static std::optional<double> residual(double a, double b, double value) {
         return Operation<TapeOp::add>::residual(a, -b, value);
     }
@@ -78,7 +78,7 @@ struct Operation<TapeOp::mul> : IsNotASum {
                                         .c_wide = "product($1, $2)",
                                         .fpcore = "(* $1 $2)"};
     static auto exact(auto, const auto& a, const auto& b) { return a * b; }
-    static double computed(double a, double b, const FloatFormat& f) { return rounding::mul(a, b, f); }
+    static double computed(double a, double b, const FloatFormat& format) { return rounding::mul(a, b, format); }
     static std::optional<double> residual(double a, double b, double value) {
         if (a == 0 || b == 0) return 0;
         if (!residuals_are_exact(a * b)) return {};
@@ -93,7 +93,7 @@ struct Operation<TapeOp::div> : IsNotASum {
     static constexpr OperationText text{
         .precedence = 2, .plain = "$1:2/$2:3", .c = "$1 / $2", .c_wide = "quotient($1, $2)", .fpcore = "(/ $1 $2)"};
     static auto exact(auto, const auto& a, const auto& b) { return a / b; }
-    static double computed(double a, double b, const FloatFormat& f) { return rounding::div(a, b, f); }
+    static double computed(double a, double b, const FloatFormat& format) { return rounding::div(a, b, format); }
     /// a/b = q + r/b with r = a − qb exact.
     static std::optional<double> residual(double a, double b, double value) {
         if (a == 0 || b == 0) return 0;
@@ -111,7 +111,7 @@ struct Operation<TapeOp::sqrt> : IsNotASum {
     static constexpr OperationText text{
         .precedence = 4, .plain = "sqrt($1)", .c = "sqrt$f($1)", .c_wide = "root($1)", .fpcore = "(sqrt $1)"};
     static auto exact(auto, const auto& a) { return sqrt(a); }
-    static double computed(double a, const FloatFormat& f) { return rounding::sqrt(a, f); }
+    static double computed(double a, const FloatFormat& format) { return rounding::sqrt(a, format); }
     /// √a = s + r/(2s) to within (r/2s)²/2s, r = a − s².
     static std::optional<double> residual(double a, double value) {
         if (a <= 0) return 0;
@@ -134,7 +134,9 @@ struct Operation<TapeOp::fma> {
                                         .missing_in_c = "a fused multiply-add",
                                         .fpcore = "(fma $1 $2 $3)"};
     static auto exact(auto e, const auto& a, const auto& b, const auto& c) { return e.sum(a * b, c); }
-    static double computed(double a, double b, double c, const FloatFormat& f) { return rounding::fma(a, b, c, f); }
+    static double computed(double a, double b, double c, const FloatFormat& format) {
+        return rounding::fma(a, b, c, format);
+    }
     static std::optional<double> residual(double, double, double, double) { return {}; }
     static Addends addends(double a, double b, double c) { return {{a * b, c}}; }
     static ErrorFactors error_factors(const OperandError& a, const OperandError& b, const OperandError&) {
@@ -185,7 +187,7 @@ struct Operation<TapeOp::next_up> {
                                         .c = "nextafter$f($1, INFINITY)",
                                         .missing_in_c = "a move to the next number",
                                         .fpcore = "(! :round toPositive (+ $1 $e))"};
-    static double computed(double a, const FloatFormat& f) { return rounding::next_up(a, f); }
+    static double computed(double a, const FloatFormat& format) { return rounding::next_up(a, format); }
 };
 
 template <>
@@ -195,7 +197,7 @@ struct Operation<TapeOp::next_down> {
                                         .c = "nextafter$f($1, -INFINITY)",
                                         .missing_in_c = "a move to the next number",
                                         .fpcore = "(! :round toNegative (- $1 $e))"};
-    static double computed(double a, const FloatFormat& f) { return -rounding::next_up(-a, f); }
+    static double computed(double a, const FloatFormat& format) { return -rounding::next_up(-a, format); }
 };
 
 template <>
@@ -205,7 +207,7 @@ struct Operation<TapeOp::convert> {
                                         .c = "($t)$1",
                                         .missing_in_c = "a change of format",
                                         .fpcore = "(cast $1)"};
-    static double computed(double a, const FloatFormat& f) { return rounding::to_format(a, 0, f); }
+    static double computed(double a, const FloatFormat& format) { return rounding::to_format(a, 0, format); }
 };
 
 template <>

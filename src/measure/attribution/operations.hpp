@@ -35,15 +35,15 @@ decltype(auto) with_operands(const F& f, const Operand& operand) {
 
 /// Result of an operation on operand(0), … without rounding. Only for kinds that are given, rounded or exact.
 template <class Exact, class Operand>
-typename Exact::Number without_rounding(const TapeNode& n, const Operand& operand) {
+typename Exact::Number without_rounding(const TapeNode& node, const Operand& operand) {
     using Number = typename Exact::Number;
     const auto evaluate = [&]<TapeOp op>() -> Number {
-        if constexpr (is_given(op)) return Operation<op>::exact(Exact(), n);
+        if constexpr (is_given(op)) return Operation<op>::exact(Exact(), node);
         else
             return with_operands<op>([](const auto&... x) -> Number { return Operation<op>::exact(Exact(), x...); },
                                      operand);
     };
-    return visit_operation<OperationKind::given, OperationKind::rounded, OperationKind::exact>(n.op, evaluate);
+    return visit_operation<OperationKind::given, OperationKind::rounded, OperationKind::exact>(node.op, evaluate);
 }
 
 constexpr const OperationText& text_of(TapeOp op) {
@@ -74,10 +74,10 @@ bool holds(TapeOp op, const Decider& decider) {
 
 /// The operand that a choice selects.
 template <class Decider>
-NodeId chosen_side(const TapeNode& n, const Decider& decider) {
-    return visit_operation<OperationKind::choice>(n.op, [&]<TapeOp choice>() {
+NodeId chosen_side(const TapeNode& node, const Decider& decider) {
+    return visit_operation<OperationKind::choice>(node.op, [&]<TapeOp choice>() {
         const auto [first, second] = Operation<choice>::sides;
-        return n.operands[Operation<choice>::takes_first(decider) ? first : second];
+        return node.operands[Operation<choice>::takes_first(decider) ? first : second];
     });
 }
 

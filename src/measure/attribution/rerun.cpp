@@ -20,7 +20,7 @@ public:
     }
     /// The run that the tape recorded.
     explicit ExactRun(const Tape& tape) : tape_(tape), is_rounded_([](NodeId) { return true; }) {
-        for (const TapeNode& n : tape.nodes) values_.emplace_back(n.value);
+        for (const TapeNode& node : tape.nodes) values_.emplace_back(node.value);
     }
 
     /// Runs as `base`, except that `operation` rounds, or chooses, as in `other`. Recomputes only what depends on
@@ -73,9 +73,9 @@ private:
         }
         return {};
     }
-    [[nodiscard]] Number without_rounding(const TapeNode& n) const {
+    [[nodiscard]] Number without_rounding(const TapeNode& node) const {
         return attribution::without_rounding<DeepExact>(
-            n, [&](std::size_t k) -> const Number& { return value(n.operands[k]); });
+            node, [&](std::size_t k) -> const Number& { return value(node.operands[k]); });
     }
     /// Result of a call. If the arguments are those of the tape, the result is the value on the tape, because the
     /// function itself may be some units in the last place off.

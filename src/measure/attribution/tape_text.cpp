@@ -48,8 +48,7 @@ TapeText::TapeText(const Tape& tape, std::vector<std::string> inputs, TextStyle 
       expressions_(tape.nodes.size()),
       dot_of_part_(tape.nodes.size(), no_node) {
     for (NodeId i = 0; i < tape.size(); ++i) {
-        if (tape[i].op == TapeOp::input)
-            names_[i] = inputs_.at(tape[i].operands[0]);
+        if (tape[i].op == TapeOp::input) names_[i] = inputs_.at(tape[i].operands[0]);
     }
     for (NodeId i = 0; i < tape.size(); ++i) {
         Dot dot;
@@ -98,8 +97,7 @@ void TapeText::find_numbers() {
 
         if (!number.is_known || !number.has_piece || !std::isfinite(number.value)) continue;
         const auto narrow = static_cast<float>(number.value);
-        number_texts_[i] =
-            narrow == number.value ? fmt::format("{}", narrow) : fmt::format("{}", number.value);
+        number_texts_[i] = narrow == number.value ? fmt::format("{}", narrow) : fmt::format("{}", number.value);
     }
 }
 
@@ -128,9 +126,7 @@ bool TapeText::find_dot(NodeId i, Dot& dot) const {
 
 void TapeText::name_vector(const Triple& v) {
     if (tape_[v[0]].op == TapeOp::input || vectors_.contains(v)) return;
-    if (std::ranges::any_of(
-            v, [&](NodeId i) { return !names_[i].empty() || !tape_[i].label.empty(); }))
-        return;
+    if (std::ranges::any_of(v, [&](NodeId i) { return !names_[i].empty() || !tape_[i].label.empty(); })) return;
     std::string base = "v";
     if (style_ != TextStyle::generic) base += std::to_string(vectors_.size() + 1);
     vectors_.emplace(v, base);

@@ -126,8 +126,7 @@ bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i
     const auto mark = [&](NodeId k) { is_reached[k] = true; };
     mark(i);
     for (; i > from; --i) {
-        if (is_reached[i] && attribution[i].is_live)
-            for_each_source(tape, attribution, i, mark);
+        if (is_reached[i] && attribution[i].is_live) for_each_source(tape, attribution, i, mark);
     }
     return is_reached[from];
 }

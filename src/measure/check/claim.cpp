@@ -77,7 +77,7 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
         result.witness = summary->worst;
         // The witness of a wrong decision is its first ray, not the ray with the largest error of t.
         for (std::size_t k = 0; k < evaluate::wrong_decisions.size(); ++k) {
-            const auto name = answer::outcome_names[evaluate::wrong_decisions[k]];
+            const auto name = answer::outcome_names[static_cast<std::size_t>(evaluate::wrong_decisions[k])];
             if (claim.metric.starts_with(name) && summary->faults[k]) result.witness = *summary->faults[k];
         }
         if (claim.metric == "wrong_fraction" && summary->first_fault() != nullptr)

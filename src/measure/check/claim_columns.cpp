@@ -69,10 +69,10 @@ bool asks_for_attribution(const Claim& claim) {
 ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims,
                            const std::vector<evaluate::TestedForm>& tested_forms, const attribution::Setting& setting)
     : setting_(setting) {
-    for (const Metric& m : lostbits::measure::metric::metrics()) {
+    for (const Metric& metric : lostbits::measure::metric::metrics()) {
         const bool is_named = std::ranges::any_of(
-            claims, [&](const Claim* c) { return c->metric.starts_with(std::string(m.name) + "_"); });
-        if (m.by_default || is_named) metrics_.push_back(&m);
+            claims, [&](const Claim* c) { return c->metric.starts_with(std::string(metric.name) + "_"); });
+        if (metric.by_default || is_named) metrics_.push_back(&metric);
     }
     for (const Claim* claim : claims) {
         for (const std::string& text : claim->operations) find_operations(text, *claim, setting_);  // throws early

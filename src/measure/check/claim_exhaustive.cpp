@@ -79,7 +79,7 @@ std::size_t onset_event(const Claim& claim) {
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
         const auto& event = sweep::first_events[e];
         const auto name = event.lost_bits > 0 ? std::string_view("lost_bits")
-                                              : answer::outcome_names[event.outcome];
+                                              : answer::outcome_names[static_cast<std::size_t>(event.outcome)];
         if (claim.onset == name && claim.threshold == std::max(event.lost_bits, 1)) return e;
     }
     scene::toml::fail(claim.where,
@@ -94,7 +94,7 @@ std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally&
     if (!claim.onset.empty()) return tally.first_floats[onset_event(claim)];
     for (std::size_t e = 0; e < sweep::first_events.size(); ++e) {
         const auto& event = sweep::first_events[e];
-        const auto name = answer::outcome_names[event.outcome];
+        const auto name = answer::outcome_names[static_cast<std::size_t>(event.outcome)];
         if (event.lost_bits == 0 && claim.metric.starts_with(name)) return tally.first_floats[e];
     }
     if (claim.metric == "padding_max" && tally.padding) return tally.padding->float_index;

@@ -79,9 +79,9 @@ double measured_value(const Claim& claim, MendedForm& form) {
 
 void measure(const SubjectClaims<MendSubject>& claims, const ClaimRequest& run) {
     // Claims about the same form, format, size and requirement are measured together.
-    const auto measurement_key = [](const Claim& c, const MendSubject& subject) {
-        return std::tuple(c.form, c.format, subject.requirement.bits, subject.requirement.wrong, subject.requirement.at,
-                          subject.size);
+    const auto measurement_key = [](const Claim& claim, const MendSubject& subject) {
+        return std::tuple(claim.form, claim.format, subject.requirement.bits, subject.requirement.wrong,
+                          subject.requirement.at, subject.size);
     };
     std::map<decltype(measurement_key(claims.front().claim, claims.front().subject)), SubjectClaims<MendSubject>>
         claims_by_key;

@@ -31,13 +31,13 @@ constexpr int sample_count = 4096;
 /// Measures the fraction of significands in [1, 2) on which the test is true; `random_unit` gives further numbers in
 /// [0, 1).
 template <class Test>
-double measure_fraction(const FloatFormat& f, std::uint64_t seed, const Test& test) {
+double measure_fraction(const FloatFormat& format, std::uint64_t seed, const Test& test) {
     std::mt19937_64 engine(seed);
     const auto random_unit = [&engine] { return static_cast<double>(engine() >> 11) * 0x1p-53; };
     int true_count = 0;
     for (int i = 0; i < sample_count; ++i) {
         const double significand =
-            std::fmin(rounding::to_format(1 + random_unit(), 0, f), 2 - std::ldexp(1.0, 1 - f.precision));
+            std::fmin(rounding::to_format(1 + random_unit(), 0, format), 2 - std::ldexp(1.0, 1 - format.precision));
         true_count += test(significand, random_unit);
     }
     return static_cast<double>(true_count) / sample_count;
@@ -45,20 +45,21 @@ double measure_fraction(const FloatFormat& f, std::uint64_t seed, const Test& te
 
 /// Tests a ± a/ratio = a, with the quotient rounded.
 template <int sign>
-double sum(const FloatFormat& f, double ratio, std::uint64_t seed) {
-    return measure_fraction(
-        f, seed, [&](double a, const auto&) { return rounding::add(a, sign * rounding::div(a, ratio, f), f) == a; });
+double sum(const FloatFormat& format, double ratio, std::uint64_t seed) {
+    return measure_fraction(format, seed, [&](double a, const auto&) {
+        return rounding::add(a, sign * rounding::div(a, ratio, format), format) == a;
+    });
 }
 
 /// Tests a ± a/ratio = a for a = 1.
 template <int sign>
-double power_of_two(const FloatFormat& f, double ratio, std::uint64_t) {
-    return rounding::add(1, sign * rounding::div(1, ratio, f), f) == 1 ? 1 : 0;
+double power_of_two(const FloatFormat& format, double ratio, std::uint64_t) {
+    return rounding::add(1, sign * rounding::div(1, ratio, format), format) == 1 ? 1 : 0;
 }
 
 /// Tests f·f − r² = f·f for |f| = distance·r, with r over a binade and f in a random direction.
-double far_radius(const FloatFormat& f, double distance, std::uint64_t seed) {
-    return measure_fraction(f, seed, [&](double r, const auto& random_unit) {
+double far_radius(const FloatFormat& format, double distance, std::uint64_t seed) {
+    return measure_fraction(format, seed, [&](double r, const auto& random_unit) {
         double direction[3], squares = 0;
         do {
             squares = 0;
@@ -69,27 +70,29 @@ double far_radius(const FloatFormat& f, double distance, std::uint64_t seed) {
         } while (squares > 1 || squares < 0.01);
         double f_squared = 0;
         for (int i = 0; i < 3; ++i) {
-            const double x = rounding::to_format(direction[i] / std::sqrt(squares) * distance * r, 0, f);
-            const double square = rounding::mul(x, x, f);
-            f_squared = i == 0 ? square : rounding::add(f_squared, square, f);
+            const double x = rounding::to_format(direction[i] / std::sqrt(squares) * distance * r, 0, format);
+            const double square = rounding::mul(x, x, format);
+            f_squared = i == 0 ? square : rounding::add(f_squared, square, format);
         }
-        return rounding::add(f_squared, -rounding::mul(r, r, f), f) == f_squared;
+        return rounding::add(f_squared, -rounding::mul(r, r, format), format) == f_squared;
     });
 }
 
 /// Tests that r² − l² is the same if r² is replaced by the next number; l = ratio·r.
-double radius_over_l(const FloatFormat& f, double ratio, std::uint64_t seed) {
-    return measure_fraction(f, seed, [&](double r, const auto&) {
-        const double r2 = rounding::mul(r, r, f), l = rounding::to_format(ratio * r, 0, f), l2 = rounding::mul(l, l, f);
-        return rounding::add(r2, -l2, f) == rounding::add(rounding::next_up(r2, f), -l2, f);
+double radius_over_l(const FloatFormat& format, double ratio, std::uint64_t seed) {
+    return measure_fraction(format, seed, [&](double r, const auto&) {
+        const double r2 = rounding::mul(r, r, format), l = rounding::to_format(ratio * r, 0, format),
+                     l2 = rounding::mul(l, l, format);
+        return rounding::add(r2, -l2, format) == rounding::add(rounding::next_up(r2, format), -l2, format);
     });
 }
 
 /// Tests that 0·∞ is NaN, for either sign of both operands.
-double zero_times_infinity(const FloatFormat& f, double, std::uint64_t) {
+double zero_times_infinity(const FloatFormat& format, double, std::uint64_t) {
     int nan_count = 0;
     for (const double zero : {0.0, -0.0}) {
-        for (const double infinity : {HUGE_VAL, -HUGE_VAL}) nan_count += std::isnan(rounding::mul(zero, infinity, f));
+        for (const double infinity : {HUGE_VAL, -HUGE_VAL})
+            nan_count += std::isnan(rounding::mul(zero, infinity, format));
     }
     return nan_count / 4.0;
 }
@@ -103,13 +106,16 @@ int sign_of_difference(double a, double b, double c, double d) {
 /// Tests that the computed ab − cd has the wrong sign. Each product is rounded, or the first product is fused into the
 /// difference. d is one of the numbers next to ab/c, up to `max_steps` ulps away.
 template <bool fused>
-double wrong_sign(const FloatFormat& f, double max_steps, std::uint64_t seed) {
-    return measure_fraction(f, seed, [&](double a, const auto& random_unit) {
-        const double b = rounding::to_format(1 + random_unit(), 0, f), c = rounding::to_format(1 + random_unit(), 0, f);
-        const double ulp = std::ldexp(1.0, 1 - f.precision);
-        const double d = rounding::to_format(a * b / c + std::round((2 * random_unit() - 1) * max_steps) * ulp, 0, f);
-        const double cd = rounding::mul(c, d, f);
-        const double computed = fused ? rounding::fma(a, b, -cd, f) : rounding::add(rounding::mul(a, b, f), -cd, f);
+double wrong_sign(const FloatFormat& format, double max_steps, std::uint64_t seed) {
+    return measure_fraction(format, seed, [&](double a, const auto& random_unit) {
+        const double b = rounding::to_format(1 + random_unit(), 0, format),
+                     c = rounding::to_format(1 + random_unit(), 0, format);
+        const double ulp = std::ldexp(1.0, 1 - format.precision);
+        const double d =
+            rounding::to_format(a * b / c + std::round((2 * random_unit() - 1) * max_steps) * ulp, 0, format);
+        const double cd = rounding::mul(c, d, format);
+        const double computed =
+            fused ? rounding::fma(a, b, -cd, format) : rounding::add(rounding::mul(a, b, format), -cd, format);
         return computed * sign_of_difference(a, b, c, d) < 0;
     });
 }

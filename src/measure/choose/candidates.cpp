@@ -131,7 +131,9 @@ std::optional<std::size_t> least_of(const std::vector<Candidate>& candidates, co
 bool is_faster(const Candidate& a, const Candidate& b) { return a.time.median < b.time.median; }
 
 /// Correct bits of a candidate; -1 if they are NaN.
-double bits_of(const Candidate& c) { return std::isnan(c.quality.kept_bits) ? -1 : c.quality.kept_bits; }
+double bits_of(const Candidate& candidate) {
+    return std::isnan(candidate.quality.kept_bits) ? -1 : candidate.quality.kept_bits;
+}
 
 bool is_more_accurate(const Candidate& a, const Candidate& b) {
     const double wrong_a = a.quality.wrong_fraction(), wrong_b = b.quality.wrong_fraction();
@@ -140,17 +142,18 @@ bool is_more_accurate(const Candidate& a, const Candidate& b) {
 
 /// Nearness to a requirement, as a key to compare: the bits. With a tolerance, the bits up to the required number, and
 /// then the distance error.
-std::pair<double, double> nearness(const Candidate& c, const Requirement& requirement) {
-    if (!requirement.has_tolerance()) return {bits_of(c), 0};
-    return {std::min(bits_of(c), requirement.bits),
-            std::isnan(c.quality.distance_error) ? -HUGE_VAL : -c.quality.distance_error};
+std::pair<double, double> nearness(const Candidate& candidate, const Requirement& requirement) {
+    if (!requirement.has_tolerance()) return {bits_of(candidate), 0};
+    return {std::min(bits_of(candidate), requirement.bits),
+            std::isnan(candidate.quality.distance_error) ? -HUGE_VAL : -candidate.quality.distance_error};
 }
 
 }  // namespace
 
 std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     return least_of(
-        candidates, [&requirement](const Candidate& c) { return c.quality.meets(requirement); }, is_faster);
+        candidates, [&requirement](const Candidate& candidate) { return candidate.quality.meets(requirement); },
+        is_faster);
 }
 
 std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates) {
@@ -165,7 +168,8 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidate
 
 std::optional<std::size_t> nearest_candidate(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     const auto nearest_deciding = least_of(
-        candidates, [&requirement](const Candidate& c) { return c.quality.decides_as_required(requirement); },
+        candidates,
+        [&requirement](const Candidate& candidate) { return candidate.quality.decides_as_required(requirement); },
         [&requirement](const Candidate& a, const Candidate& b) {
             return nearness(a, requirement) > nearness(b, requirement);
         });

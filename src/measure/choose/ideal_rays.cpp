@@ -129,7 +129,7 @@ scene::rays::RayGroup store_in_format(const IdealRays& ideal, const FloatFormat&
 
 IdealRays round_inputs(const IdealRays& ideal, const InputFormats& formats) {
     const auto round_input = [&formats](Input input, Real& x) {
-        const auto& format = formats[input];
+        const auto& format = formats[static_cast<std::size_t>(input)];
         if (format) x = round_once(x, *format);
     };
     IdealRays result = ideal;

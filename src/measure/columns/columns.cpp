@@ -158,7 +158,9 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
     const RawKernels* const raw_kernels = current_kernels();
     const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
-    const auto has_shape = [shape](const Primitive<double>& s) { return s.shape == shape && !s.transform; };
+    const auto has_shape = [shape](const Primitive<double>& primitive) {
+        return primitive.shape == shape && !primitive.transform;
+    };
 
     // A kernel takes primitives of one shape without matrices.
     const bool has_one_shape =
@@ -167,7 +169,7 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
         (!points.primitives.mesh() || (shape == scene::triangle::Mesh::shape && !first.transform));
 
     void (*const residuals)(RawResiduals&) =
-        raw_kernels ? raw_kernels->residuals[shape] : nullptr;
+        raw_kernels ? raw_kernels->residuals[static_cast<std::size_t>(shape)] : nullptr;
     if (!residuals || points.engine == Format::Engine::rounded || !has_one_shape) {
         leave_all_to_scalar(answers, {out}, unhandled);
         return;

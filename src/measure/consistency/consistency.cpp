@@ -10,7 +10,7 @@ namespace lostbits::measure::consistency {
 namespace {
 
 void add_check(const PixelCheckResults& check_results, const ConsistencyBand& band, CheckSummary& summary) {
-    for (const CheckResult result : check_results.results) ++summary.counts[result];
+    for (const CheckResult result : check_results.results) ++summary.counts[static_cast<std::size_t>(result)];
     summary.apart.add(check_results.apart);
     summary.excess.add(check_results.excess);
     if (!check_results.first_disagreement || summary.first_disagreement) return;

@@ -25,7 +25,7 @@ struct CheckSummary {
     metric::Distribution apart, excess;  ///< for checks that compare numbers, in ulps
     std::optional<FirstDisagreement> first_disagreement;
 
-    [[nodiscard]] std::uint64_t count_of(CheckResult a) const { return counts[a]; }
+    [[nodiscard]] std::uint64_t count_of(CheckResult a) const { return counts[static_cast<std::size_t>(a)]; }
     /// Number of pixels at which both questions are asked.
     [[nodiscard]] std::uint64_t question_count() const;
     /// Number of differences that the form causes. `decisions` counts those in which the decisions differ.

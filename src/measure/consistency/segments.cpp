@@ -58,17 +58,20 @@ std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i
                        coordinate_at(ray.origin.z, ray.direction.z));
 }
 
-bool are_proper(const SegmentRays& s) {
-    return truth::is_valid(s.by_difference) && truth::is_valid(s.by_unit) && std::isfinite(s.unit_end);
+bool are_proper(const SegmentRays& segment_rays) {
+    return truth::is_valid(segment_rays.by_difference) && truth::is_valid(segment_rays.by_unit) &&
+           std::isfinite(segment_rays.unit_end);
 }
 
-CheckResult check_result_of_segment(const FormOnBand& band_form, const SegmentRays& s, bool first, bool second) {
+CheckResult check_result_of_segment(const FormOnBand& band_form, const SegmentRays& segment_rays, bool first,
+                                    bool second) {
     if (first == second) return CheckResult::agree;
     const intersect::Convention convention = band_form.tested_form.convention();
-    const auto first_exact = truly_meets_before(s.by_difference, s.difference_end,
-                                                band_form.candidates(s.by_difference).primitives, convention);
-    const auto second_exact =
-        truly_meets_before(s.by_unit, s.unit_end, band_form.candidates(s.by_unit).primitives, convention);
+    const auto first_exact =
+        truly_meets_before(segment_rays.by_difference, segment_rays.difference_end,
+                           band_form.candidates(segment_rays.by_difference).primitives, convention);
+    const auto second_exact = truly_meets_before(segment_rays.by_unit, segment_rays.unit_end,
+                                                 band_form.candidates(segment_rays.by_unit).primitives, convention);
     if (first_exact == Truth::Decision::unresolved || second_exact == Truth::Decision::unresolved)
         return CheckResult::unresolved;
     return check_result_of(first, second, first_exact == Truth::Decision::hit, second_exact == Truth::Decision::hit);

@@ -84,8 +84,8 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     if (!length) return std::nullopt;
 
     std::vector<std::pair<Question, Reply>> answered;
-    for (const Question& q : questions_about_length(trial.shape, length->number_index))
-        answered.emplace_back(q, trial.ask(q));
+    for (const Question& question : questions_about_length(trial.shape, length->number_index))
+        answered.emplace_back(question, trial.ask(question));
 
     // A mistake explains an answer that is right for a primitive with the changed length.
     const auto explains = [&](const LengthMisuse& mistake) {
@@ -291,11 +291,11 @@ void try_range(Trial& trial) {
 }
 
 /// Runs a probe in which any answer is allowed: the form only has to return.
-void try_unusual_question(Trial& trial, const char* name, const std::string& description, const Question& q) {
+void try_unusual_question(Trial& trial, const char* name, const std::string& description, const Question& question) {
     trial.probe(name, [&](Trial&) {
         Reply r;
         try {
-            r = trial.ask(q);
+            r = trial.ask(question);
         } catch (const EnvironmentError& refused) {
             return trial.report_note(description + ": refused: " + refused.what());
         }
@@ -406,8 +406,8 @@ std::vector<Observation> try_contract(const ForeignForm& form, const ForeignForm
     for (const Observation& t_observation : run_all_probes(*first_root_form)) {
         if (t_observation.verdict != broken) continue;
         is_kept = false;
-        if (std::ranges::none_of(findings, [&t_observation](const Observation& f) {
-                return f.verdict == broken && f.subject == t_observation.subject;
+        if (std::ranges::none_of(findings, [&t_observation](const Observation& observation) {
+                return observation.verdict == broken && observation.subject == t_observation.subject;
             }))
             findings.push_back({t_observation.subject, broken, "the t beside near and far: " + t_observation.text});
     }

@@ -48,7 +48,7 @@ std::vector<Question> scattered_questions(Shape shape) {
 
 void try_hit_is_written(Trial& trial) {
     const auto replies = ask(trial.form, scattered_questions(trial.shape));
-    const auto unwritten = std::ranges::find_if(replies, [](const Reply& r) { return r.hit > 1; });
+    const auto unwritten = std::ranges::find_if(replies, [](const Reply& reply) { return reply.hit > 1; });
     if (unwritten != replies.end())
         trial.report_broken("`hit` is " + std::to_string(unwritten->hit) +
                             " for a ray of a batch; write 1 or 0 for every ray");
@@ -65,7 +65,7 @@ void try_same_batch_again(Trial& trial) {
 void try_batches(Trial& trial) {
     const auto questions = scattered_questions(trial.shape);
     std::vector<Reply> single_replies;
-    for (const Question& q : questions) single_replies.push_back(trial.ask(q));
+    for (const Question& question : questions) single_replies.push_back(trial.ask(question));
     trial.check(are_all_same(ask(trial.form, questions), single_replies),
                 "a ray gets the same answer in a batch and alone", "a ray gets another answer in a batch than alone");
 }

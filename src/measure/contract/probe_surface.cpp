@@ -17,12 +17,12 @@ namespace {
 /// Kinds of answers, by the roots of the line.
 enum class RightAnswer { miss, zero, near, exit, unsigned_near, other };
 
-RightAnswer answer_of(const Reply& r, double near, double far) {
-    if (r.hit != 1) return RightAnswer::miss;
-    if (std::fabs(r.near) <= 0x1p-20) return RightAnswer::zero;
-    if (is_answer(r.near, far)) return RightAnswer::exit;
-    if (is_answer(r.near, near)) return RightAnswer::near;
-    return is_answer(r.near, -near) ? RightAnswer::unsigned_near : RightAnswer::other;
+RightAnswer answer_of(const Reply& reply, double near, double far) {
+    if (reply.hit != 1) return RightAnswer::miss;
+    if (std::fabs(reply.near) <= 0x1p-20) return RightAnswer::zero;
+    if (is_answer(reply.near, far)) return RightAnswer::exit;
+    if (is_answer(reply.near, near)) return RightAnswer::near;
+    return is_answer(reply.near, -near) ? RightAnswer::unsigned_near : RightAnswer::other;
 }
 
 /// A ray from inside along z, with its reply and the t at which the line enters and leaves.
@@ -113,16 +113,16 @@ std::string property_for_answer(RightAnswer answer, Roots roots) {
     return "";
 }
 
-RightAnswer stated_answer_inside(const intersect::external::Contract& c) {
-    switch (c.inside) {
+RightAnswer stated_answer_inside(const intersect::external::Contract& contract) {
+    switch (contract.inside) {
         case Inside::exit: return RightAnswer::exit;
         case Inside::zero: return RightAnswer::zero;
         case Inside::near: return RightAnswer::near;
         case Inside::miss: return RightAnswer::miss;
         case Inside::usual: break;
     }
-    if (c.roots == Roots::near_only) return RightAnswer::miss;
-    return inside_returns_zero(c.shape) ? RightAnswer::zero : RightAnswer::exit;
+    if (contract.roots == Roots::near_only) return RightAnswer::miss;
+    return inside_returns_zero(contract.shape) ? RightAnswer::zero : RightAnswer::exit;
 }
 
 constexpr std::array<const char*, 6> answer_texts{"misses",
@@ -160,7 +160,7 @@ void try_inside(Trial& trial) {
     }
 
     // For the near root alone, the table reads a near root behind the ray as a miss.
-    const std::string text = std::string("a ray from inside ") + answer_texts[answer];
+    const std::string text = std::string("a ray from inside ") + answer_texts[static_cast<std::size_t>(answer)];
     const bool are_both_misses = contract.roots == Roots::near_only &&
                                  (answer == RightAnswer::near || answer == RightAnswer::miss) &&
                                  (stated_answer == RightAnswer::near || stated_answer == RightAnswer::miss);
@@ -334,7 +334,7 @@ void try_at_origin(Trial& trial) {
         intersect::external::Contract other = trial.contract;
         other.at_origin = property;
         if (is_consistent(other) && are_all_right(trial, rays, other))
-            return trial.report_broken(behaviour + "; say " + at_origin_texts[property]);
+            return trial.report_broken(behaviour + "; say " + at_origin_texts[static_cast<std::size_t>(property)]);
     }
     for (const RayFromSurface& r : rays) {
         if (is_right_from_surface(trial, r, trial.contract)) continue;

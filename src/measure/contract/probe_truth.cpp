@@ -179,13 +179,13 @@ double half_extent_of(const Primitive<double>& primitive) {
     return std::min(visit(primitive, [](const auto& shape) { return shape.half_extent(); }), 4.0);
 }
 
-bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes) {
-    const HitOrMiss right = trial.truth(q);
-    const Vec<double>& d = q.ray.direction;
-    const double size = half_extent_of(primitive_of(q, trial.shape)), length = std::hypot(d.x, d.y, d.z);
+bool is_benign(const Trial& trial, const Question& question, RandomNumbers& random, int changes) {
+    const HitOrMiss right = trial.truth(question);
+    const Vec<double>& d = question.ray.direction;
+    const double size = half_extent_of(primitive_of(question, trial.shape)), length = std::hypot(d.x, d.y, d.z);
     if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
     for (int i = 0; i < changes; ++i) {
-        Question changed = q;
+        Question changed = question;
         for (int k = 0; k < 3; ++k) changed.ray.origin[k] += 0x1p-5 * size * random();
         for (int k = 0; k < 3; ++k) changed.ray.direction[k] += 0x1p-6 * length * random();
         const HitOrMiss changed_truth = trial.truth(changed);
@@ -212,16 +212,17 @@ std::string answer_text(const Trial& trial, const HitOrMiss& answer) {
     return !answer.hit ? "a miss" : trial.tells_t ? "t = " + text_of(answer.t) : "a hit";
 }
 
-Question scale_question(const Question& q, Shape shape, int power) {
-    Question result = q;
-    for (int k = 0; k < 3; ++k) result.ray.origin[k] = std::ldexp(q.ray.origin[k], power);
-    std::ranges::copy(scaled(primitive_of(q, shape), std::ldexp(1.0, power)).shape_numbers(), result.primitive.begin());
+Question scale_question(const Question& question, Shape shape, int power) {
+    Question result = question;
+    for (int k = 0; k < 3; ++k) result.ray.origin[k] = std::ldexp(question.ray.origin[k], power);
+    std::ranges::copy(scaled(primitive_of(question, shape), std::ldexp(1.0, power)).shape_numbers(),
+                      result.primitive.begin());
     return result;
 }
 
 std::vector<AnsweredQuestion> add_truths(const Trial& trial, const std::vector<Question>& questions) {
     std::vector<AnsweredQuestion> rays;
-    for (const Question& q : questions) rays.push_back({q, trial.truth(q)});
+    for (const Question& question : questions) rays.push_back({question, trial.truth(question)});
     return rays;
 }
 
@@ -236,8 +237,8 @@ std::string wrong_answer_text(const Trial& trial, const Question& question, cons
         return answer_text(trial, {unscaled.hit, std::ldexp(unscaled.t, power)});
     };
     return "ray " + numbers_text(q.ray) + " at " + std::string(row_of(trial.shape).name) + " " +
-           numbers_text(std::span(q.primitive).first(row_of(trial.shape).number_count)) + ": " + scaled_answer_text(right) +
-           " is right, it answers " + scaled_answer_text(answer);
+           numbers_text(std::span(q.primitive).first(row_of(trial.shape).number_count)) + ": " +
+           scaled_answer_text(right) + " is right, it answers " + scaled_answer_text(answer);
 }
 
 }  // namespace

@@ -48,11 +48,11 @@ Question make_question(const Vec<double>& origin, const Vec<double>& direction, 
 double half_extent_of(const Primitive<double>& primitive);
 
 /// Multiplies the lengths of a question by 2^power, exactly. Directions keep their length, so t is multiplied, too.
-Question scale_question(const Question& q, Shape shape, int power);
+Question scale_question(const Question& question, Shape shape, int power);
 
 /// True if none of `changes` small random changes of the ray changes the answer much. Every usual formula answers such
 /// a question correctly.
-bool is_benign(const Trial& trial, const Question& q, RandomNumbers& random, int changes = 6);
+bool is_benign(const Trial& trial, const Question& question, RandomNumbers& random, int changes = 6);
 
 std::string numbers_text(std::span<const double> numbers);
 /// Text with the six numbers of a ray: those of its origin, then those of its direction.

@@ -109,9 +109,9 @@ inline Reply ask(const intersect::external::ForeignForm& form, const Question& q
 }
 
 /// Primitive of a question.
-inline Primitive<double> primitive_of(const Question& q, Shape shape) {
+inline Primitive<double> primitive_of(const Question& question, Shape shape) {
     Primitive<double> primitive(shape);
-    std::copy_n(q.primitive.begin(), primitive.shape_numbers().size(), primitive.numbers.begin());
+    std::copy_n(question.primitive.begin(), primitive.shape_numbers().size(), primitive.numbers.begin());
     return primitive;
 }
 
@@ -133,10 +133,11 @@ inline HitOrMiss truth_by(const intersect::external::Contract& contract, const Q
 }
 
 /// Reads a reply by a contract, as the table of forms does.
-inline HitOrMiss read_reply(const intersect::external::Contract& contract, const Reply& r, const Question& question) {
-    const std::array<double, 2> near_far{r.near, r.far};
+inline HitOrMiss read_reply(const intersect::external::Contract& contract, const Reply& reply,
+                            const Question& question) {
+    const std::array<double, 2> near_far{reply.near, reply.far};
     const double end = takes_tmax(contract.shape) ? question.end : std::numeric_limits<double>::infinity();
-    const Hit<double> hit = intersect::external::apply_contract(contract, r.hit == 1 ? 1 : 0, near_far.data(), end);
+    const Hit<double> hit = intersect::external::apply_contract(contract, reply.hit == 1 ? 1 : 0, near_far.data(), end);
     return {hit.hit, hit.t};
 }
 
@@ -170,9 +171,9 @@ inline Question question_along_z(Shape shape, double start_z, double direction, 
 }
 
 /// The t at which the line of a ray enters and leaves its primitive; empty if the line misses the primitive.
-inline std::optional<Ends<double>> ends_of(const Question& q, Shape shape) {
-    const auto ends =
-        with_span(q.ray, primitive_of(q, shape), [](const auto& span) { return lostbits::ends_of(span); });
+inline std::optional<Ends<double>> ends_of(const Question& question, Shape shape) {
+    const auto ends = with_span(question.ray, primitive_of(question, shape),
+                                [](const auto& span) { return lostbits::ends_of(span); });
     return ends && ends->near <= ends->far ? ends : std::nullopt;
 }
 
@@ -224,27 +225,28 @@ public:
     void check(bool is_kept, const std::string& kept_text, const std::string& broken_text) {
         add(is_kept ? Observation::Verdict::kept : Observation::Verdict::broken, is_kept ? kept_text : broken_text);
     }
-    [[nodiscard]] Reply ask(const Question& q) const { return contract::ask(form, q); }
+    [[nodiscard]] Reply ask(const Question& question) const { return contract::ask(form, question); }
     [[nodiscard]] bool has_flag(unsigned flag) const { return (contract.flags & flag) != 0; }
     [[nodiscard]] bool has_broken_property() const {
-        return std::ranges::any_of(findings,
-                                   [](const Observation& f) { return f.verdict == Observation::Verdict::broken; });
+        return std::ranges::any_of(findings, [](const Observation& observation) {
+            return observation.verdict == Observation::Verdict::broken;
+        });
     }
     /// True if a probe of this name found a broken property.
     [[nodiscard]] bool has_broken(std::string_view name) const {
-        return std::ranges::any_of(findings, [name](const Observation& f) {
-            return f.subject == name && f.verdict == Observation::Verdict::broken;
+        return std::ranges::any_of(findings, [name](const Observation& observation) {
+            return observation.subject == name && observation.verdict == Observation::Verdict::broken;
         });
     }
     /// Truth by the trial's contract, or by another contract for the same question.
-    [[nodiscard]] HitOrMiss truth(const Question& q) const { return truth(q, contract); }
-    [[nodiscard]] HitOrMiss truth(const Question& q, const intersect::external::Contract& other_contract) const {
-        return truth_by(other_contract, mirror_for_facing(q, contract));
+    [[nodiscard]] HitOrMiss truth(const Question& question) const { return truth(question, contract); }
+    [[nodiscard]] HitOrMiss truth(const Question& question, const intersect::external::Contract& other_contract) const {
+        return truth_by(other_contract, mirror_for_facing(question, contract));
     }
     /// True if a reply is the true answer by a contract.
-    [[nodiscard]] bool is_right(const Question& q, const Reply& r,
+    [[nodiscard]] bool is_right(const Question& question, const Reply& reply,
                                 const intersect::external::Contract& other_contract) const {
-        const HitOrMiss right = truth(q, other_contract), answer = read_reply(other_contract, r, q);
+        const HitOrMiss right = truth(question, other_contract), answer = read_reply(other_contract, reply, question);
         return right.hit == answer.hit && (!right.hit || !tells_t || is_answer(answer.t, right.t));
     }
 

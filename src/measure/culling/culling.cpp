@@ -122,11 +122,11 @@ double sum_of_squares(double origin, double reach) {
     return origin * origin + reach * reach + (origin + reach) * (origin + reach);
 }
 
-bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& f) {
+bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& format) {
     const double d2 = rays.direction * rays.direction, min_d2 = rays.min_direction * rays.min_direction;
     const double largest = 64 * std::max({sum * d2, sum * d2 * d2, sum, d2}),
                  smallest = radius * radius * std::min({1.0, min_d2, min_d2 * min_d2});
-    return std::log2(largest) < f.emax && std::log2(smallest) > f.emin + f.precision;
+    return std::log2(largest) < format.emax && std::log2(smallest) > format.emin + format.precision;
 }
 
 namespace {
@@ -222,8 +222,8 @@ std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>
                                                      const FloatFormat* format) {
     if (primitives.size() < min_primitives || !std::isfinite(rays.origin) || !(rays.min_direction > 0)) return nullptr;
     const auto extent = measure_extent(primitives, rays);
-    const auto is_safe_in = [&](const FloatFormat& f) {
-        return squares_are_safe(extent->sum, extent->min_radius, rays, f);
+    const auto is_safe_in = [&](const FloatFormat& tested) {
+        return squares_are_safe(extent->sum, extent->min_radius, rays, tested);
     };
     if (!extent || !is_safe_in(binary64) || (format && !is_safe_in(*format))) return nullptr;
 
@@ -325,11 +325,12 @@ using Certain = number::wide::RunningError<double>;
 using Decision = mask_t<Certain>;
 
 /// True if a ray begins in the closed primitive; false for shapes without an inside.
-Decision begins_inside(const QuadraticSpan<Certain>& s) { return s.c <= Certain(0); }
-Decision begins_inside(const QuarticSpan<Certain>& s) { return s.f.at(s.b) <= Certain(0); }
-Decision begins_inside(const SlabSpan<Certain>& s) {
-    Decision inside = s.closed;
-    for (std::size_t i = 0; i < 3; ++i) inside = inside && s.entry[i].n <= Certain(0) && s.exit[i].n >= Certain(0);
+Decision begins_inside(const QuadraticSpan<Certain>& span) { return span.c <= Certain(0); }
+Decision begins_inside(const QuarticSpan<Certain>& span) { return span.f.at(span.b) <= Certain(0); }
+Decision begins_inside(const SlabSpan<Certain>& span) {
+    Decision inside = span.closed;
+    for (std::size_t i = 0; i < 3; ++i)
+        inside = inside && span.entry[i].n <= Certain(0) && span.exit[i].n >= Certain(0);
     return inside;
 }
 template <ComparableSpan<Certain> S>

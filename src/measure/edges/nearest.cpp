@@ -202,7 +202,7 @@ public:
 
 private:
     static EdgeCount& count_of(const AimedRay& aimed_ray, EdgeFinding& finding) {
-        return finding.census.at(aimed_ray.vertex ? EdgeTarget::vertex : EdgeTarget::edge);
+        return finding.census.at(static_cast<std::size_t>(aimed_ray.vertex ? EdgeTarget::vertex : EdgeTarget::edge));
     }
 
     /// Adds the rays of a batch to the census, and their outcomes.

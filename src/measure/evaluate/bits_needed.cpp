@@ -109,7 +109,7 @@ void BitsNeededSummary::add(const Truth& ray_truth, double bits_needed) {
     } else if (bits_needed == beyond_max_precision) {
         ++(ray_truth.is_hit() ? hits_beyond : misses_beyond);
     } else {
-        ++(ray_truth.is_hit() ? hits : misses)[bits_needed];
+        ++(ray_truth.is_hit() ? hits : misses)[static_cast<std::size_t>(bits_needed)];
     }
 }
 

@@ -28,8 +28,8 @@ std::vector<const Metric*> order_culprits(const MapStudy& study, metric::MetricS
         run_map({.scene = &small, .tested_forms = study.tested_forms, .metrics = {*culprit}, .limit = study.limit});
     const auto categories = (*culprit)->categories;
     std::vector<std::uint64_t> total(categories.size());
-    for (const FormSummary& s : summaries)
-        std::ranges::transform(total, s.categories.front(), total.begin(), std::plus{});
+    for (const FormSummary& summary : summaries)
+        std::ranges::transform(total, summary.categories.front(), total.begin(), std::plus{});
 
     // Puts the most frequent first.
     std::vector<std::size_t> order(total.size() - 1);  // without `none`, which stays in front

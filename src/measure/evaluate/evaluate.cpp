@@ -59,7 +59,7 @@ FormSummary::FormSummary(const std::vector<const Metric*>& measured) : metrics(m
 void FormSummary::add(std::size_t m, const Metric& metric, std::span<const double> values) {
     if (metric.categories.empty()) return metrics[m].add(values);
     for (const double value : values) {
-        if (!std::isnan(value)) ++categories[m][value];
+        if (!std::isnan(value)) ++categories[m][static_cast<std::size_t>(value)];
     }
 }
 
@@ -145,26 +145,26 @@ struct JoinedRays {
 /// in the kind of range. Joining pays: the fixed cost of a band is a hundred times the cost of a ray, and ray
 /// distributions have a group for each ray.
 std::optional<JoinedRays> join(const std::vector<scene::rays::RayGroup>& groups) {
-    const auto can_be_joined = [&](const scene::rays::RayGroup& g) {
-        return g.primitives.size() == 1 && !g.is_paired && g.rays.size() > 0 && g.rays.width > 0 &&
-               g.primitives[0].shape == groups[0].primitives[0].shape &&
-               g.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
-               g.rays.tmax.empty() == groups[0].rays.tmax.empty() &&
-               g.rays.open_ends.tmin == groups[0].rays.open_ends.tmin &&
-               g.rays.open_ends.tmax == groups[0].rays.open_ends.tmax;
+    const auto can_be_joined = [&](const scene::rays::RayGroup& group) {
+        return group.primitives.size() == 1 && !group.is_paired && group.rays.size() > 0 && group.rays.width > 0 &&
+               group.primitives[0].shape == groups[0].primitives[0].shape &&
+               group.rays.tmin.empty() == groups[0].rays.tmin.empty() &&
+               group.rays.tmax.empty() == groups[0].rays.tmax.empty() &&
+               group.rays.open_ends.tmin == groups[0].rays.open_ends.tmin &&
+               group.rays.open_ends.tmax == groups[0].rays.open_ends.tmax;
     };
     if (groups.size() < 2 || groups[0].primitives.empty() || !std::ranges::all_of(groups, can_be_joined))
         return std::nullopt;
 
     JoinedRays joined;
     scene::rays::RayBlock& rays = joined.rays.rays;
-    for (const scene::rays::RayGroup& g : groups) {
+    for (const scene::rays::RayGroup& group : groups) {
         joined.first_rays.push_back(rays.size());
-        for (std::size_t i = 0; i < g.rays.size(); ++i) {
-            rays.push(g.rays[i]);
-            rays.push_range(g.rays, i);
+        for (std::size_t i = 0; i < group.rays.size(); ++i) {
+            rays.push(group.rays[i]);
+            rays.push_range(group.rays, i);
         }
-        joined.rays.primitives.insert(joined.rays.primitives.end(), g.rays.size(), g.primitives[0]);
+        joined.rays.primitives.insert(joined.rays.primitives.end(), group.rays.size(), group.primitives[0]);
     }
     rays.mark_as_list();
     return joined;
@@ -241,9 +241,9 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
 
     for (std::size_t g = 0; !separate_rows.empty() && g < groups.size(); ++g)
         measure_group(std::move(groups[g]), static_cast<int>(g), separate_rows, metrics, limit, separate_summaries);
-    for (FormSummary& s : summaries) {
-        s.views = groups.size();
-        s.seal();
+    for (FormSummary& summary : summaries) {
+        summary.views = groups.size();
+        summary.seal();
     }
     return summaries;
 }

@@ -78,7 +78,7 @@ struct FormSummary {
     void add(std::size_t m, const metric::Metric& metric, std::span<const double> values);
     /// Adds the summary of further rays, which all come after the rays in this summary.
     void append(FormSummary&& next_rays);
-    [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[o]; }
+    [[nodiscard]] std::uint64_t count(answer::Outcome o) const { return outcomes[static_cast<std::size_t>(o)]; }
     /// Number of rays with any of the `wrong_decisions`.
     [[nodiscard]] std::uint64_t wrong_count() const;
     /// The most frequent of the `wrong_decisions`; nothing if every decision is right.

@@ -72,8 +72,7 @@ private:
     /// Column of a metric; null if it is not requested.
     [[nodiscard]] double* column_of(ColumnKernel kind) const {
         const auto found = std::ranges::find(metrics_, kind, &Metric::column_kernel);
-        return found == metrics_.end() ? nullptr
-                                       : result_.metrics[found - metrics_.begin()].data();
+        return found == metrics_.end() ? nullptr : result_.metrics[found - metrics_.begin()].data();
     }
 
     /// Computes the metrics that have a column kernel: most rays in columns, the remaining ones one by one.
@@ -86,7 +85,7 @@ private:
             const Primitive<double> primitive = primitive_of(i);
             const Truth ray_truth = result_.truth(i);
             fill(i, sample_of(i, ray, primitive, ray_truth),
-                 [](const Metric& m) { return m.column_kernel != ColumnKernel::none; });
+                 [](const Metric& metric) { return metric.column_kernel != ColumnKernel::none; });
         }
     }
 
@@ -144,13 +143,13 @@ private:
         const auto has_metric = [this](const auto& applies) {
             return std::ranges::any_of(metrics_, [&](const Metric* m) { return applies(*m); });
         };
-        const auto is_of_marches = [](const Metric& m) { return m.domain == MetricDomain::marches; };
-        const auto is_of_hits = [](const Metric& m) {
-            return (m.domain == MetricDomain::agreed_hits || m.domain == MetricDomain::blamed) &&
-                   m.column_kernel == ColumnKernel::none;
+        const auto is_of_marches = [](const Metric& metric) { return metric.domain == MetricDomain::marches; };
+        const auto is_of_hits = [](const Metric& metric) {
+            return (metric.domain == MetricDomain::agreed_hits || metric.domain == MetricDomain::blamed) &&
+                   metric.column_kernel == ColumnKernel::none;
         };
-        const auto is_of_every = [](const Metric& m) { return m.domain == MetricDomain::every; };
-        const auto is_of_blamed = [](const Metric& m) { return m.domain == MetricDomain::blamed; };
+        const auto is_of_every = [](const Metric& metric) { return metric.domain == MetricDomain::every; };
+        const auto is_of_blamed = [](const Metric& metric) { return metric.domain == MetricDomain::blamed; };
         const bool measures_marches = has_metric(is_of_marches) && !result_.answers->march.empty(),
                    measures_hits = has_metric(is_of_hits);
         const bool measures_every = has_metric(is_of_every);
@@ -194,10 +193,11 @@ private:
         }
 
         // The decision margin of a miss among several primitives is that of the one missed most narrowly.
-        const auto is_margin = [](const Metric& m) { return m.name == "decision_margin"; };
+        const auto is_margin = [](const Metric& metric) { return metric.name == "decision_margin"; };
         const bool misses_several = result_.outcomes[i] == Outcome::agree_miss && !result_.inputs->is_paired &&
                                     result_.inputs->primitives.size() > 1;
-        fill(i, sample, [&](const Metric& m) { return applies(m) && !(misses_several && is_margin(m)); });
+        fill(i, sample,
+             [&](const Metric& metric) { return applies(metric) && !(misses_several && is_margin(metric)); });
         if (!misses_several || std::ranges::none_of(metrics_, [&](const Metric* m) { return is_margin(*m); })) return;
         const std::optional<Primitive<double>> nearest = narrowly_missed(sample);
         sample.primitive = nearest ? &*nearest : nullptr;

@@ -124,7 +124,7 @@ void RowSums::add(const RaySubset& part) const {
     double largest = summary.worst.size;
     summary.rays += part.rays.size();
     for (const std::uint32_t i : part.rays) {
-        ++summary.outcomes[result_.outcomes[i]];
+        ++summary.outcomes[static_cast<std::size_t>(result_.outcomes[i])];
         summary.true_hits += static_cast<std::uint64_t>(truth_.decision[i] == Truth::Decision::hit);
         if (!(std::fabs(ulps_[i]) > largest)) continue;
         worst_index = i;

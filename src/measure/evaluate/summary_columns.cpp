@@ -36,7 +36,7 @@ enum class Shown { always, for_meshes, in_claims };
 Columns outcome_columns() {
     Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return to_double(s.rays); }}};
     const auto add_count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
-        columns.push_back({.name = std::string(answer::outcome_names[o]),
+        columns.push_back({.name = std::string(answer::outcome_names[static_cast<std::size_t>(o)]),
                            .kind = Kind::count,
                            .unit = "",
                            .meaning = meaning,
@@ -163,7 +163,7 @@ void add_both_hit(std::size_t m, Columns& columns) {
                            std::uint64_t both_hit = 0;
                            for (const AgainstOutcome a :
                                 {AgainstOutcome::same_t, AgainstOutcome::other_t, AgainstOutcome::incomparable_t})
-                               both_hit += counts[a];
+                               both_hit += counts[static_cast<std::size_t>(a)];
                            return to_double(both_hit);
                        }});
 }
@@ -279,9 +279,8 @@ Columns worst_columns(const std::vector<Shape>& shapes) {
         add_hex(name, value_of_worst_ray([name](const W& w) {
                     const auto own_names = number_names(w.primitive.shape);
                     const auto name_position = std::ranges::find(own_names, name);
-                    return name_position == own_names.end()
-                               ? missing
-                               : w.primitive.numbers[name_position - own_names.begin()];
+                    return name_position == own_names.end() ? missing
+                                                            : w.primitive.numbers[name_position - own_names.begin()];
                 }));
     }
     return columns;

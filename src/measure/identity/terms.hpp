@@ -77,6 +77,8 @@ private:
 /// Direction of the ray.
 Triple direction_of(const Terms& terms);
 
-inline std::array<NodeId, 4> output_nodes(const TapeOutputs& o) { return {o.hit, o.t, o.near, o.far}; }
+inline std::array<NodeId, 4> output_nodes(const TapeOutputs& outputs) {
+    return {outputs.hit, outputs.t, outputs.near, outputs.far};
+}
 
 }  // namespace lostbits::measure::identity

@@ -299,9 +299,9 @@ private:
             if (ray_truth.decision == truth::Truth::Decision::unresolved || !(hit || ray_truth.is_hit())) continue;
 
             const int primitive = ray_truth.is_hit() ? ray_truth.primitive : piece.answers.object[i];
-            result_.first_samples.push_back(contract::answer_sample(
-                inputs.rays_for(*tested_form.form->info)[i], inputs.primitives[primitive],
-                ray_truth, tested_form, hit, piece.answers.t[i]));
+            result_.first_samples.push_back(contract::answer_sample(inputs.rays_for(*tested_form.form->info)[i],
+                                                                    inputs.primitives[primitive], ray_truth,
+                                                                    tested_form, hit, piece.answers.t[i]));
         }
     }
 

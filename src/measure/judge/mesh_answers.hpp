@@ -51,7 +51,7 @@ struct MeshAnswersResult {
     std::uint64_t rounded_count = 0;             ///< number of values in the file that its format cannot represent
 
     [[nodiscard]] std::uint64_t outcome_count(MeshOutcome outcome) const {
-        return outcomes[outcome];
+        return outcomes[static_cast<std::size_t>(outcome)];
     }
     [[nodiscard]] std::uint64_t faults() const;
 };

@@ -52,7 +52,7 @@ inline constexpr std::array<MeshOutcomeRow, 12> mesh_outcome_rows{{
     {"unresolved", "the truth is not proved"},
 }};
 inline constexpr std::string_view name_of(MeshOutcome outcome) {
-    return mesh_outcome_rows[outcome].name;
+    return mesh_outcome_rows[static_cast<std::size_t>(outcome)].name;
 }
 inline constexpr bool is_fault(MeshOutcome outcome) {
     return outcome != MeshOutcome::agree && outcome != MeshOutcome::on_surface;

@@ -32,7 +32,7 @@ void WorstRays::insert_error(ReportedRay&& ray) {
 }
 
 void WorstRays::add_fault(ReportedRay&& ray) {
-    auto& faults = faults_[ray.outcome];
+    auto& faults = faults_[static_cast<std::size_t>(ray.outcome)];
     if (faults.size() < max_rays_) faults.push_back(std::move(ray));
 }
 
@@ -43,7 +43,7 @@ void WorstRays::add_rays(std::uint64_t first, const evaluate::BandResult& result
         const Outcome outcome = result.outcomes[i];
         if (outcome == Outcome::agree_miss || outcome == Outcome::unresolved) continue;
         if (outcome != Outcome::agree_hit) {
-            if (faults_[outcome].size() < max_rays_)
+            if (faults_[static_cast<std::size_t>(outcome)].size() < max_rays_)
                 add_fault(reported_ray(first, i, result));
             continue;
         }
@@ -65,7 +65,7 @@ void WorstRays::append(WorstRays&& next) {
 std::vector<ReportedRay> WorstRays::all() const {
     std::vector<ReportedRay> rays = errors_;
     for (const Outcome outcome : evaluate::wrong_decisions) {
-        const auto& found = faults_[outcome];
+        const auto& found = faults_[static_cast<std::size_t>(outcome)];
         rays.insert(rays.end(), found.begin(), found.end());
     }
     return rays;

@@ -34,47 +34,48 @@ double vector_lost_bits(const Vec<Real>& given, const Vec<Real>& true_vector, co
 
 Vec<Real> unit(const Vec<Real>& v) { return (1 / length(v)) * v; }
 
-bool has_direction(const Sample& s) { return is_finite(s.ray->direction) && !is_zero(s.ray->direction); }
+bool has_direction(const Sample& sample) { return is_finite(sample.ray->direction) && !is_zero(sample.ray->direction); }
 
 // Errors are infinite, and lost bits are the precision p, if a component is NaN or infinite or a direction is zero.
 
-double origin_error(const Sample& s) {
-    if (!s.true_ray) return missing;
-    if (!is_finite(s.ray->origin)) return HUGE_VAL;
-    return length(lift_vec<Real>(s.ray->origin) - s.true_ray->origin).convert_to<double>();
+double origin_error(const Sample& sample) {
+    if (!sample.true_ray) return missing;
+    if (!is_finite(sample.ray->origin)) return HUGE_VAL;
+    return length(lift_vec<Real>(sample.ray->origin) - sample.true_ray->origin).convert_to<double>();
 }
 
-double origin_lost_bits(const Sample& s) {
-    if (!s.true_ray) return missing;
-    if (!is_finite(s.ray->origin)) return s.format->parameters.precision;
-    return vector_lost_bits(lift_vec<Real>(s.ray->origin), s.true_ray->origin, s.format->parameters);
+double origin_lost_bits(const Sample& sample) {
+    if (!sample.true_ray) return missing;
+    if (!is_finite(sample.ray->origin)) return sample.format->parameters.precision;
+    return vector_lost_bits(lift_vec<Real>(sample.ray->origin), sample.true_ray->origin, sample.format->parameters);
 }
 
 /// Computed from the sine and the cosine, which is accurate near 0 and near a right angle.
-double direction_error(const Sample& s) {
-    if (!s.true_ray) return missing;
-    if (!has_direction(s)) return HUGE_VAL;
-    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &true_d = s.true_ray->direction;
+double direction_error(const Sample& sample) {
+    if (!sample.true_ray) return missing;
+    if (!has_direction(sample)) return HUGE_VAL;
+    const Vec<Real> d = lift_vec<Real>(sample.ray->direction), &true_d = sample.true_ray->direction;
     return atan2(length(cross(d, true_d)), dot(d, true_d)).convert_to<double>();
 }
 
-double direction_lost_bits(const Sample& s) {
-    if (!s.true_ray) return missing;
-    if (!has_direction(s)) return s.format->parameters.precision;
-    return vector_lost_bits(unit(lift_vec<Real>(s.ray->direction)), unit(s.true_ray->direction), s.format->parameters);
+double direction_lost_bits(const Sample& sample) {
+    if (!sample.true_ray) return missing;
+    if (!has_direction(sample)) return sample.format->parameters.precision;
+    return vector_lost_bits(unit(lift_vec<Real>(sample.ray->direction)), unit(sample.true_ray->direction),
+                            sample.format->parameters);
 }
 
 /// |d/(d·f) − d*/(d*·f)| over the side of a pixel, both at distance 1 in front of the eye. f is the direction in which
 /// the camera looks.
-double pixel_error(const Sample& s) {
-    if (!s.true_ray || !s.frame) return missing;
-    if (!has_direction(s)) return HUGE_VAL;
-    const Vec<Real> d = lift_vec<Real>(s.ray->direction), &true_d = s.true_ray->direction;
-    const Vec<Real>& forward = s.frame->forward;
+double pixel_error(const Sample& sample) {
+    if (!sample.true_ray || !sample.frame) return missing;
+    if (!has_direction(sample)) return HUGE_VAL;
+    const Vec<Real> d = lift_vec<Real>(sample.ray->direction), &true_d = sample.true_ray->direction;
+    const Vec<Real>& forward = sample.frame->forward;
     const Real depth = dot(d, forward);
     if (depth <= 0) return HUGE_VAL;
     const Real distance = length((1 / depth) * d - (1 / dot(true_d, forward)) * true_d);
-    return Real(distance / s.frame->pitch).convert_to<double>();
+    return Real(distance / sample.frame->pitch).convert_to<double>();
 }
 
 /// Metrics that are measured on every ray, whatever the form answers.

@@ -17,38 +17,38 @@ using truth::missing;
 namespace {
 
 /// (x − y) in ulps of the format at t*.
-double in_ulps(const Sample& s, const truth::CertifiedNumber& x, const truth::CertifiedNumber& y) {
-    return truth::scaled_difference(x, y, ulp_exponent(s.format->parameters, s.true_t->floor_log2()));
+double in_ulps(const Sample& sample, const truth::CertifiedNumber& x, const truth::CertifiedNumber& y) {
+    return truth::scaled_difference(x, y, ulp_exponent(sample.format->parameters, sample.true_t->floor_log2()));
 }
 
-double error_at_zero(const Sample& s) {
-    if (!s.true_t->is_zero() || !s.primitive) return missing;
-    if (s.t == 0) return 0;
+double error_at_zero(const Sample& sample) {
+    if (!sample.true_t->is_zero() || !sample.primitive) return missing;
+    if (sample.t == 0) return 0;
     double largest = 0;
     const auto include = [&largest](double x) { largest = std::max(largest, std::fabs(x)); };
-    for (int axis = 0; axis < 3; ++axis) include(s.ray->origin[axis]);
-    for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
+    for (int axis = 0; axis < 3; ++axis) include(sample.ray->origin[axis]);
+    for_each_key(sample.primitive->shape, [&](const Key& key, std::size_t first) {
         for (std::size_t k = first; k < first + key.count(); ++k)
-            if (key.kind != Key::Kind::direction && !s.primitive->transform) include(s.primitive->numbers[k]);
+            if (key.kind != Key::Kind::direction && !sample.primitive->transform) include(sample.primitive->numbers[k]);
     });
-    return in_roundoffs(distance_error(s) / largest, s);
+    return in_roundoffs(distance_error(sample) / largest, sample);
 }
 
-double root(const Sample& s) {
-    if (s.march) return missing;
-    if (s.outcome != answer::Outcome::agree_hit || !s.primitive) return 0;
-    const bool is_close = std::fabs(ulp_error(s)) <= 8;  // the format cannot distinguish nearer crossings
-    return !is_close && stability::is_wrong_root(*s.ray, *s.primitive, *s.true_t, s.t) ? 2 : 1;
+double root(const Sample& sample) {
+    if (sample.march) return missing;
+    if (sample.outcome != answer::Outcome::agree_hit || !sample.primitive) return 0;
+    const bool is_close = std::fabs(ulp_error(sample)) <= 8;  // the format cannot distinguish nearer crossings
+    return !is_close && stability::is_wrong_root(*sample.ray, *sample.primitive, *sample.true_t, sample.t) ? 2 : 1;
 }
 
-double derivative_error(const Sample& s) {
-    if (!s.attribution || s.march || !s.primitive || s.primitive->transform) return missing;
-    if (s.attribution->attribution->subject != s.attribution->tape->outputs.t) return missing;
-    const std::vector<double> exact = truth::gradient(*s.ray, *s.primitive, s.convention, s.range);
+double derivative_error(const Sample& sample) {
+    if (!sample.attribution || sample.march || !sample.primitive || sample.primitive->transform) return missing;
+    if (sample.attribution->attribution->subject != sample.attribution->tape->outputs.t) return missing;
+    const std::vector<double> exact = truth::gradient(*sample.ray, *sample.primitive, sample.convention, sample.range);
     if (exact.empty()) return missing;
 
     // Each error is divided by the largest derivative of its vector.
-    const std::vector<double> computed = stability::forward_derivatives(*s.attribution->tape);
+    const std::vector<double> computed = stability::forward_derivatives(*sample.attribution->tape);
     double worst = 0;
     const auto compare_vector = [&](std::size_t first, std::size_t count) {
         double largest = 0, error = 0;
@@ -62,11 +62,11 @@ double derivative_error(const Sample& s) {
     // Derivatives are in the order of the inputs: origin, direction, numbers of the primitive.
     constexpr std::size_t origin = 0, direction = 3, primitive = 6;
     compare_vector(origin, 3);
-    if (s.direction != intersect::Direction::unit) compare_vector(direction, 3);
-    for_each_key(s.primitive->shape, [&](const Key& key, std::size_t first) {
+    if (sample.direction != intersect::Direction::unit) compare_vector(direction, 3);
+    for_each_key(sample.primitive->shape, [&](const Key& key, std::size_t first) {
         if (key.kind != Key::Kind::direction) compare_vector(primitive + first, key.count());
     });
-    return in_roundoffs(worst, s);
+    return in_roundoffs(worst, sample);
 }
 
 /// Categories, in the order of the values of `root`.
@@ -95,43 +95,48 @@ constexpr Metric rows_of_t[] = {
 
 }  // namespace
 
-double ulp_error(const Sample& s) { return truth::ulp_error(s.t, *s.true_t, s.format->parameters); }
-double lost_bits(const Sample& s) { return truth::lost_bits(ulp_error(s), s.format->parameters.precision); }
-double correct_bits(const Sample& s) { return s.format->parameters.precision - lost_bits(s); }
+double ulp_error(const Sample& sample) { return truth::ulp_error(sample.t, *sample.true_t, sample.format->parameters); }
+double lost_bits(const Sample& sample) {
+    return truth::lost_bits(ulp_error(sample), sample.format->parameters.precision);
+}
+double correct_bits(const Sample& sample) { return sample.format->parameters.precision - lost_bits(sample); }
 
 /// The ordinals of binary64 need 63 bits and a sign, so the difference of two of them is computed as an unsigned
 /// number.
-double herbie(const Sample& s) {
-    const auto ordinal_of = [&s](double x) { return truth::ordinal(x, s.format->parameters); };
-    const auto [low, high] = std::minmax({ordinal_of(s.t), ordinal_of(s.truth_rounded)});
+double herbie(const Sample& sample) {
+    const auto ordinal_of = [&sample](double x) { return truth::ordinal(x, sample.format->parameters); };
+    const auto [low, high] = std::minmax({ordinal_of(sample.t), ordinal_of(sample.truth_rounded)});
     return bits::log2_of(1 + static_cast<double>(static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low)));
 }
 
-double absolute_error(const Sample& s) {
-    if (std::isinf(s.t)) return HUGE_VAL;
-    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.true_t, 0));
+double absolute_error(const Sample& sample) {
+    if (std::isinf(sample.t)) return HUGE_VAL;
+    return std::fabs(truth::scaled_difference(truth::as_certified(sample.t), *sample.true_t, 0));
 }
 
-double relative_error(const Sample& s) {
-    if (std::isinf(s.t)) return HUGE_VAL;
-    if (s.true_t->is_zero()) return s.t == 0 ? 0.0 : HUGE_VAL;
-    return std::fabs(truth::scaled_difference(truth::as_certified(s.t), *s.true_t, s.true_t->exponent) /
-                     (s.true_t->hi + s.true_t->lo));
+double relative_error(const Sample& sample) {
+    if (std::isinf(sample.t)) return HUGE_VAL;
+    if (sample.true_t->is_zero()) return sample.t == 0 ? 0.0 : HUGE_VAL;
+    return std::fabs(truth::scaled_difference(truth::as_certified(sample.t), *sample.true_t, sample.true_t->exponent) /
+                     (sample.true_t->hi + sample.true_t->lo));
 }
 
-double distance_error(const Sample& s) {
-    const Vec<double>& d = s.ray->direction;  // if the form requires length one, |d| is one up to rounding
-    return absolute_error(s) * std::hypot(d.x, d.y, d.z);
+double distance_error(const Sample& sample) {
+    const Vec<double>& d = sample.ray->direction;  // if the form requires length one, |d| is one up to rounding
+    return absolute_error(sample) * std::hypot(d.x, d.y, d.z);
 }
 
-double input_error(const Sample& s) { return s.stored_truth ? in_ulps(s, *s.stored_truth, *s.true_t) : missing; }
-double model_error(const Sample& s) {
-    return s.stored_truth && s.unrounded ? in_ulps(s, *s.unrounded, *s.stored_truth) : missing;
+double input_error(const Sample& sample) {
+    return sample.stored_truth ? in_ulps(sample, *sample.stored_truth, *sample.true_t) : missing;
 }
-double rounding_error(const Sample& s) {
-    if (!s.unrounded) return missing;
-    if (std::isinf(s.t)) return truth::may_round_to(*s.unrounded, s.t, s.format->parameters) ? 0 : s.t;
-    return in_ulps(s, truth::as_certified(s.t), *s.unrounded);
+double model_error(const Sample& sample) {
+    return sample.stored_truth && sample.unrounded ? in_ulps(sample, *sample.unrounded, *sample.stored_truth) : missing;
+}
+double rounding_error(const Sample& sample) {
+    if (!sample.unrounded) return missing;
+    if (std::isinf(sample.t))
+        return truth::may_round_to(*sample.unrounded, sample.t, sample.format->parameters) ? 0 : sample.t;
+    return in_ulps(sample, truth::as_certified(sample.t), *sample.unrounded);
 }
 
 std::span<const Metric> metrics_of_t() { return rows_of_t; }

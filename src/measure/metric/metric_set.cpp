@@ -17,23 +17,25 @@ namespace {
 
 constexpr const char* no_culprit = "none: nothing rounds";
 
-double contribution(const Sample& s) {
-    if (!s.attribution) return missing;
-    const Tape& tape = *s.attribution->tape;
-    const NodeId subject = s.attribution->attribution->subject;
+double contribution(const Sample& sample) {
+    if (!sample.attribution) return missing;
+    const Tape& tape = *sample.attribution->tape;
+    const NodeId subject = sample.attribution->attribution->subject;
     if (subject == no_node || is_decision(tape[subject].op)) return missing;
-    return attribution::contribution_of(tape, *s.attribution->attribution, s.label) / s.attribution->ulp;
+    return attribution::contribution_of(tape, *sample.attribution->attribution, sample.label) / sample.attribution->ulp;
 }
 
-double cancellation(const Sample& s) {
-    return s.attribution ? attribution::cancellation_of(*s.attribution->tape, *s.attribution->attribution, s.label)
-                         : missing;
+double cancellation(const Sample& sample) {
+    return sample.attribution
+               ? attribution::cancellation_of(*sample.attribution->tape, *sample.attribution->attribution, sample.label)
+               : missing;
 }
 
-double step_error(const Sample& s) {
-    const auto found = std::ranges::find(intersect::transform::step_names, s.label);
+double step_error(const Sample& sample) {
+    const auto found = std::ranges::find(intersect::transform::step_names, sample.label);
     const auto k = static_cast<std::size_t>(found - intersect::transform::step_names.begin());
-    return s.steps ? s.steps->error(k, ulp_exponent(s.format->parameters, s.true_t->floor_log2())) : missing;
+    return sample.steps ? sample.steps->error(k, ulp_exponent(sample.format->parameters, sample.true_t->floor_log2()))
+                        : missing;
 }
 
 double number_of(std::string_view label) {
@@ -42,8 +44,8 @@ double number_of(std::string_view label) {
     return std::from_chars(label.data(), end, x).ptr == end && x >= 0 && std::isfinite(x) ? x : missing;
 }
 
-double beyond(const Sample& s) { return distance_error(s) > number_of(s.label) ? 1 : 0; }
-double too_few(const Sample& s) { return correct_bits(s) < number_of(s.label) ? 1 : 0; }
+double beyond(const Sample& sample) { return distance_error(sample) > number_of(sample.label) ? 1 : 0; }
+double too_few(const Sample& sample) { return correct_bits(sample) < number_of(sample.label) ? 1 : 0; }
 
 constexpr std::string_view within_names[] = {"within", "beyond"}, enough_names[] = {"enough", "too_few"};
 
@@ -108,8 +110,9 @@ const Metric* MetricSet::find(std::string_view name) {
     if (owned_metric != owned_.end()) return &owned_metric->metric;
 
     // Makes the metric of a new label.
-    const auto kind = std::ranges::find_if(
-        labelled_metrics, [&](const Metric& m) { return name.starts_with(m.name) && name.size() > m.name.size(); });
+    const auto kind = std::ranges::find_if(labelled_metrics, [&](const Metric& metric) {
+        return name.starts_with(metric.name) && name.size() > metric.name.size();
+    });
     if (kind == std::end(labelled_metrics)) return nullptr;
     if (kind->needs == needs_nothing) return make_metric_with_number(*kind, name);
 

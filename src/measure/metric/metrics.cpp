@@ -18,53 +18,60 @@ using truth::missing;
 
 namespace {
 
-double condition_number(const Sample& s) { return s.condition; }
-double inherent(const Sample& s) { return truth::inherent_bits(s.reach, *s.true_t, s.format->parameters); }
-double normwise(const Sample& s) { return truth::inherent_bits(s.reach_normwise, *s.true_t, s.format->parameters); }
-double excess(const Sample& s) { return truth::excess_bits(s.t, *s.true_t, s.format->parameters, s.reach); }
+double condition_number(const Sample& sample) { return sample.condition; }
+double inherent(const Sample& sample) {
+    return truth::inherent_bits(sample.reach, *sample.true_t, sample.format->parameters);
+}
+double normwise(const Sample& sample) {
+    return truth::inherent_bits(sample.reach_normwise, *sample.true_t, sample.format->parameters);
+}
+double excess(const Sample& sample) {
+    return truth::excess_bits(sample.t, *sample.true_t, sample.format->parameters, sample.reach);
+}
 
-double culprit(const Sample& s) { return s.attribution ? s.attribution->culprit : missing; }
-double cancelled(const Sample& s) {
-    return s.attribution ? attribution::worst_cancellation(*s.attribution->attribution) : missing;
+double culprit(const Sample& sample) { return sample.attribution ? sample.attribution->culprit : missing; }
+double cancelled(const Sample& sample) {
+    return sample.attribution ? attribution::worst_cancellation(*sample.attribution->attribution) : missing;
 }
 
 template <attribution::Counterfactual attribution::Counterfactuals::*run>
-double counterfactual(const Sample& s) {
-    if (!s.attribution || !s.attribution->culprit_alone) return missing;
-    const attribution::Counterfactual& c = (*s.attribution->culprit_alone).*run;
-    return c.hit ? c.error / s.attribution->ulp : missing;
+double counterfactual(const Sample& sample) {
+    if (!sample.attribution || !sample.attribution->culprit_alone) return missing;
+    const attribution::Counterfactual& c = (*sample.attribution->culprit_alone).*run;
+    return c.hit ? c.error / sample.attribution->ulp : missing;
 }
 
-double worst_step(const Sample& s) {
-    if (!s.steps) return missing;
-    const auto worst = s.steps->worst();
+double worst_step(const Sample& sample) {
+    if (!sample.steps) return missing;
+    const auto worst = sample.steps->worst();
     return worst ? static_cast<double>(*worst) + 1 : 0;
 }
 
 /// Form's own bound on the rounding error of t, in ulps of the format at t*; infinite if the form has none.
-double bound(const Sample& s) {
-    if (!s.bounded) return missing;
-    if (!(s.bounded->error < HUGE_VAL)) return HUGE_VAL;
-    return std::ldexp(s.bounded->error, -static_cast<int>(ulp_exponent(s.format->parameters, s.true_t->floor_log2())));
+double bound(const Sample& sample) {
+    if (!sample.bounded) return missing;
+    if (!(sample.bounded->error < HUGE_VAL)) return HUGE_VAL;
+    return std::ldexp(sample.bounded->error,
+                      -static_cast<int>(ulp_exponent(sample.format->parameters, sample.true_t->floor_log2())));
 }
 
-double bound_ratio(const Sample& s) {
-    const double error = rounding_error(s), size = bound(s);
+double bound_ratio(const Sample& sample) {
+    const double error = rounding_error(sample), size = bound(sample);
     return size == 0 && error == 0 ? 1 : size / std::fabs(error);
 }
 
-double decision(const Sample& s) { return s.bounded ? (s.bounded->proved ? 0 : 1) : missing; }
+double decision(const Sample& sample) { return sample.bounded ? (sample.bounded->proved ? 0 : 1) : missing; }
 
-double arithmetic(const Sample& s) {
-    return s.deciding_arithmetic ? static_cast<double>(*s.deciding_arithmetic) : missing;
+double arithmetic(const Sample& sample) {
+    return sample.deciding_arithmetic ? static_cast<double>(*sample.deciding_arithmetic) : missing;
 }
 
-double iterations(const Sample& s) { return s.march ? s.march->iterations : missing; }
-double stop(const Sample& s) { return s.march ? static_cast<double>(s.march->stop) : missing; }
-double overshoot(const Sample& s) { return s.march ? std::max(0.0, -s.march->deepest) : missing; }
-double least_field(const Sample& s) { return s.march ? s.march->least : missing; }
+double iterations(const Sample& sample) { return sample.march ? sample.march->iterations : missing; }
+double stop(const Sample& sample) { return sample.march ? static_cast<double>(sample.march->stop) : missing; }
+double overshoot(const Sample& sample) { return sample.march ? std::max(0.0, -sample.march->deepest) : missing; }
+double least_field(const Sample& sample) { return sample.march ? sample.march->least : missing; }
 
-double lost_to(const Sample& s) { return s.levels ? static_cast<double>(s.levels->lost_to) : missing; }
+double lost_to(const Sample& sample) { return sample.levels ? static_cast<double>(sample.levels->lost_to) : missing; }
 
 constexpr unsigned split_needs = needs_stored_truth | needs_unrounded;
 
@@ -192,7 +199,7 @@ constexpr Metric table[] = {
         "for a form behind boxes (FORM^BOX): the least k for which a ray that ends at t + k ulp(t) hits the boxes; "
         "a hit found earlier must lie k ulps behind this hit, so that this hit is still found; 0 if the same t is "
         "enough",
-        [](const Sample& s) { return s.end_margin; },
+        [](const Sample& sample) { return sample.end_margin; },
         {.needs = needs_end_margin, .ramp = Ramp::magnitude, .low = 0x1p-1, .high = 0x1p+6}),
     table_row({"cancellation", "bits", "culprit.cancellation"},
               "bits of the largest cancellation on the way to t whose operands were already wrong", cancelled,

@@ -12,63 +12,66 @@ using truth::missing, truth::Perturbed, stability::CountedChange;
 
 namespace {
 
-double backward(const Sample& s, Perturbed perturbed) {
-    if (!s.primitive || s.march) return missing;
-    return in_roundoffs(stability::backward_error(*s.ray, *s.primitive, s.t, perturbed, s.convention, s.range), s);
+double backward(const Sample& sample, Perturbed perturbed) {
+    if (!sample.primitive || sample.march) return missing;
+    return in_roundoffs(
+        stability::backward_error(*sample.ray, *sample.primitive, sample.t, perturbed, sample.convention, sample.range),
+        sample);
 }
 
-double backward_error(const Sample& s) { return backward(s, Perturbed::componentwise); }
-double backward_error_normwise(const Sample& s) { return backward(s, Perturbed::normwise); }
-double decision_margin(const Sample& s) {
-    if (!s.primitive || s.march) return missing;
-    return in_roundoffs(stability::decision_margin(*s.ray, *s.primitive, CountedChange::root, Perturbed::componentwise,
-                                                   s.convention, s.range),
-                        s);
+double backward_error(const Sample& sample) { return backward(sample, Perturbed::componentwise); }
+double backward_error_normwise(const Sample& sample) { return backward(sample, Perturbed::normwise); }
+double decision_margin(const Sample& sample) {
+    if (!sample.primitive || sample.march) return missing;
+    return in_roundoffs(stability::decision_margin(*sample.ray, *sample.primitive, CountedChange::root,
+                                                   Perturbed::componentwise, sample.convention, sample.range),
+                        sample);
 }
 
-double wrong_decision(const Sample& s) {
-    if (!s.primitive || s.march) return missing;
-    if (!answer::is_wrong(s.outcome)) return 0;
-    const double u = std::ldexp(1.0, -s.format->parameters.precision);
-    const auto changes_within_u = stability::changes_within(u, *s.ray, *s.primitive, CountedChange::decision,
-                                                            Perturbed::componentwise, s.convention, s.range);
+double wrong_decision(const Sample& sample) {
+    if (!sample.primitive || sample.march) return missing;
+    if (!answer::is_wrong(sample.outcome)) return 0;
+    const double u = std::ldexp(1.0, -sample.format->parameters.precision);
+    const auto changes_within_u = stability::changes_within(u, *sample.ray, *sample.primitive, CountedChange::decision,
+                                                            Perturbed::componentwise, sample.convention, sample.range);
     return !changes_within_u ? 3 : *changes_within_u ? 1 : 2;
 }
 
 /// True if the attribution is that of t, and not of a decision that rounding changed.
-bool explains_t(const Sample& s) {
-    return s.attribution && !s.march && s.attribution->attribution->subject == s.attribution->tape->outputs.t;
+bool explains_t(const Sample& sample) {
+    return sample.attribution && !sample.march &&
+           sample.attribution->attribution->subject == sample.attribution->tape->outputs.t;
 }
 
-double cestac_bits(const Sample& s) {
-    if (!explains_t(s)) return missing;
-    return stability::RandomRuns(*s.attribution->tape).correct_bits(s.format->parameters.precision);
+double cestac_bits(const Sample& sample) {
+    if (!explains_t(sample)) return missing;
+    return stability::RandomRuns(*sample.attribution->tape).correct_bits(sample.format->parameters.precision);
 }
 
-double cestac_error(const Sample& s) {
-    if (!explains_t(s)) return missing;
-    const int precision = s.format->parameters.precision;
-    const stability::RandomRuns runs(*s.attribution->tape);
-    const double error = (runs.mean() - s.t) + s.attribution->attribution->error;
-    return runs.correct_bits(precision) - (precision - truth::lost_bits(error / s.attribution->ulp, precision));
+double cestac_error(const Sample& sample) {
+    if (!explains_t(sample)) return missing;
+    const int precision = sample.format->parameters.precision;
+    const stability::RandomRuns runs(*sample.attribution->tape);
+    const double error = (runs.mean() - sample.t) + sample.attribution->attribution->error;
+    return runs.correct_bits(precision) - (precision - truth::lost_bits(error / sample.attribution->ulp, precision));
 }
 
-double cestac_digit(const Sample& s) {
-    const double error = cestac_error(s);
+double cestac_digit(const Sample& sample) {
+    const double error = cestac_error(sample);
     if (std::isnan(error)) return missing;
     return error >= std::log2(10.0) ? 1 : 0;
 }
 
-double cestac_decision(const Sample& s) {
-    if (!s.attribution || s.march) return missing;
-    const bool is_stable = stability::RandomRuns(*s.attribution->tape).agree();
-    return (is_stable ? 0 : 2) + (answer::is_wrong(s.outcome) ? 1 : 0);
+double cestac_decision(const Sample& sample) {
+    if (!sample.attribution || sample.march) return missing;
+    const bool is_stable = stability::RandomRuns(*sample.attribution->tape).agree();
+    return (is_stable ? 0 : 2) + (answer::is_wrong(sample.outcome) ? 1 : 0);
 }
 
-double statistical_ratio(const Sample& s) {
-    if (!explains_t(s)) return missing;
-    const double bound = stability::statistical_bound(*s.attribution->tape, *s.attribution->attribution);
-    const double error = std::fabs(s.attribution->attribution->error);
+double statistical_ratio(const Sample& sample) {
+    if (!explains_t(sample)) return missing;
+    const double bound = stability::statistical_bound(*sample.attribution->tape, *sample.attribution->attribution);
+    const double error = std::fabs(sample.attribution->attribution->error);
     return error == 0 ? 0 : error / bound;
 }
 

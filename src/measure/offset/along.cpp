@@ -16,7 +16,7 @@ std::vector<double> factors_along(SceneAxis axis) {
         int first, last, step;
     };
     constexpr std::array<Exponents, 3> exponents{{{0, 13, 1}, {-12, 24, 2}, {-2, 22, 2}}};  // distance, radius, world
-    const auto& [first, last, step] = exponents[axis];
+    const auto& [first, last, step] = exponents[static_cast<std::size_t>(axis)];
     std::vector<double> factors;
     for (int k = first; k <= last; k += step) factors.push_back(std::ldexp(1.0, k));
     return factors;

@@ -14,13 +14,13 @@ namespace lostbits::measure::offset {
 /// is `enlarged` by k, and `world` is `moved` by k·(1, 0.6875, −0.4375).
 enum class SceneAxis { distance, radius, world };
 inline constexpr std::array<std::string_view, 3> scene_axis_names{"distance", "radius", "world"};
-inline constexpr std::string_view name_of(SceneAxis axis) { return scene_axis_names[axis]; }
+inline constexpr std::string_view name_of(SceneAxis axis) { return scene_axis_names[static_cast<std::size_t>(axis)]; }
 inline constexpr std::array<std::string_view, 3> scene_axis_meanings{
     "times as far away, with the same picture", "times every length of the scene",
     "everything moved by this many times (1, 0.6875, -0.4375)"};
 /// Meaning of the factor k, for plots and tables.
 inline constexpr std::string_view meaning_of(SceneAxis axis) {
-    return scene_axis_meanings[axis];
+    return scene_axis_meanings[static_cast<std::size_t>(axis)];
 }
 
 /// Returns the values of k, which are powers of two: distance 1 to 2^13, radius 2^-12 to 2^24, world 2^-2 to 2^22.

@@ -59,15 +59,16 @@ double min_distance(const Vec<double>& p, const Primitive<double>& primitive) {
 }
 
 /// Adds the faults and the size of the offset of a new ray that leaves p.
-void add_new_ray(const NewRay& r, const Vec<double>& p, StrategyAtPoint& strategy_result) {
+void add_new_ray(const NewRay& new_ray, const Vec<double>& p, StrategyAtPoint& strategy_result) {
     const auto add_if = [](bool condition, std::uint8_t& count) {
         count = static_cast<std::uint8_t>(count + (condition ? 1 : 0));
     };
     for (std::size_t f = 0; f < fault_names.size(); ++f)
-        add_if(r.has(static_cast<Fault>(f)), strategy_result.fault_counts[f]);
-    add_if(r.is_bad(), strategy_result.bad_rays);
-    if (!r.has(Fault::not_finite))
-        strategy_result.offset_size = std::max(strategy_result.offset_size, distance(r.ray.origin, p) + r.tmin);
+        add_if(new_ray.has(static_cast<Fault>(f)), strategy_result.fault_counts[f]);
+    add_if(new_ray.is_bad(), strategy_result.bad_rays);
+    if (!new_ray.has(Fault::not_finite))
+        strategy_result.offset_size =
+            std::max(strategy_result.offset_size, distance(new_ray.ray.origin, p) + new_ray.tmin);
 }
 
 }  // namespace
@@ -146,8 +147,8 @@ public:
                                 .tmax = as_double(departure.target_distance)});
         find_faults_by_form(new_rays, side);
         const unsigned faults_by_form = bit_of(Fault::self_hit_by_form) | bit_of(Fault::lost_exit_by_form);
-        const bool has_wrong_ray =
-            std::ranges::any_of(new_rays, [&](const NewRay& r) { return (r.faults & faults_by_form) != 0; });
+        const bool has_wrong_ray = std::ranges::any_of(
+            new_rays, [&](const NewRay& new_ray) { return (new_ray.faults & faults_by_form) != 0; });
         return has_wrong_ray ? OffsetVerdict::too_little : OffsetVerdict::enough;
     }
 
@@ -181,13 +182,13 @@ private:
                                                                 strategy_input_.normal, infinite_distance, light)) {
             const Side side = departure.side_sign > T(0) ? Side::outside : Side::inside;
             if (is_finite(as_doubles(departure.new_direction)))
-                departures_[side].push_back(departure);
+                departures_[static_cast<std::size_t>(side)].push_back(departure);
         }
     }
     /// Finds the far side ahead of each ray, and along the normal.
     void find_far_sides() {
         for (const Side side : both_sides) {
-            FarSides& sides = far_sides_[side];
+            FarSides& sides = far_sides_[static_cast<std::size_t>(side)];
             sides.along_normal = far_side_ahead(side, side == Side::outside ? n_ : -1.0 * n_);
             for (const Departure<T>& departure : departures(side))
                 sides.along_rays.push_back(far_side_ahead(side, as_doubles(departure.new_direction)));
@@ -246,10 +247,10 @@ private:
         strategy_input.object_point = object_point;
     }
     [[nodiscard]] const std::vector<Departure<T>>& departures(Side side) const {
-        return departures_[side];
+        return departures_[static_cast<std::size_t>(side)];
     }
     [[nodiscard]] const Primitive<double>& departed_primitive() const { return departed_primitive_; }
-    [[nodiscard]] const FarSides& far_sides_of(Side side) const { return far_sides_[side]; }
+    [[nodiscard]] const FarSides& far_sides_of(Side side) const { return far_sides_[static_cast<std::size_t>(side)]; }
     /// True if rays to a side go into the primitive. If the primitive has no inside, rays to both sides go away from
     /// it.
     [[nodiscard]] bool enters(Side side) const {
@@ -277,46 +278,47 @@ private:
 
     /// Finds the true faults of a ray. `far` is the far side ahead of a ray in the same direction that starts at the
     /// hit point.
-    void find_faults(NewRay& r, Side side, const FarSide& far) const {
-        const HalfLine line{r.ray, r.tmin};
-        if (!line.is_proper()) return r.add_fault_if(true, Fault::not_finite);
-        if (enters(side)) find_faults_inside(line, side, r);
-        else find_faults_outside(line, side, far, r);
-        const double jump = distance(r.ray.origin, p_) + r.tmin * length(r.ray.direction);
-        if (jump > 0) find_faults_near(1.001 * jump, line, r);
+    void find_faults(NewRay& new_ray, Side side, const FarSide& far) const {
+        const HalfLine line{new_ray.ray, new_ray.tmin};
+        if (!line.is_proper()) return new_ray.add_fault_if(true, Fault::not_finite);
+        if (enters(side)) find_faults_inside(line, side, new_ray);
+        else find_faults_outside(line, side, far, new_ray);
+        const double jump = distance(new_ray.ray.origin, p_) + new_ray.tmin * length(new_ray.ray.direction);
+        if (jump > 0) find_faults_near(1.001 * jump, line, new_ray);
     }
 
     /// Finds the faults of a ray that goes into the departed primitive.
-    void find_faults_inside(const HalfLine& line, Side side, NewRay& r) const {
+    void find_faults_inside(const HalfLine& line, Side side, NewRay& new_ray) const {
         const Meeting meeting = find_meeting(line, departed_primitive());
-        const Meeting from_origin = r.tmin > 0 ? find_meeting({r.ray, 0}, departed_primitive()) : meeting;
+        const Meeting from_origin = new_ray.tmin > 0 ? find_meeting({new_ray.ray, 0}, departed_primitive()) : meeting;
         // Beyond the far side of a convex primitive, the ray meets nothing. Beyond that of a torus, it meets the
         // ring once more.
         const bool lost = !meeting.meets || (is_hit_again(departed_primitive()) && is_behind_wall(side, line));
-        r.add_fault_if(from_origin.outside, Fault::wrong_side);
-        r.add_fault_if(r.tests_departed_primitive && meeting.outside && !lost, Fault::self_hit);
-        r.add_fault_if(!r.tests_departed_primitive || lost, Fault::lost_exit);
+        new_ray.add_fault_if(from_origin.outside, Fault::wrong_side);
+        new_ray.add_fault_if(new_ray.tests_departed_primitive && meeting.outside && !lost, Fault::self_hit);
+        new_ray.add_fault_if(!new_ray.tests_departed_primitive || lost, Fault::lost_exit);
     }
 
     /// Finds the faults with the departed primitive of a ray that goes away from it.
-    void find_faults_outside(const HalfLine& line, Side side, const FarSide& far, NewRay& r) const {
-        const HalfLine whole_line{r.ray, 0};
+    void find_faults_outside(const HalfLine& line, Side side, const FarSide& far, NewRay& new_ray) const {
+        const HalfLine whole_line{new_ray.ray, 0};
         const bool is_wrong_side = has_inside(departed_primitive().shape)
                                        ? find_meeting(whole_line, departed_primitive()).inside
                                        : meets_before(whole_line, far.t_begin, departed_primitive());
-        r.add_fault_if(is_wrong_side, Fault::wrong_side);
-        r.add_fault_if(r.tests_departed_primitive && meets_before(line, far.t_begin, departed_primitive()),
-                       Fault::self_hit);
-        r.add_fault_if(far.t_wall < r.tmax && (!r.tests_departed_primitive || is_behind_wall(side, line)),
-                       Fault::lost_occluder);
+        new_ray.add_fault_if(is_wrong_side, Fault::wrong_side);
+        new_ray.add_fault_if(new_ray.tests_departed_primitive && meets_before(line, far.t_begin, departed_primitive()),
+                             Fault::self_hit);
+        new_ray.add_fault_if(
+            far.t_wall < new_ray.tmax && (!new_ray.tests_departed_primitive || is_behind_wall(side, line)),
+            Fault::lost_occluder);
     }
 
     /// Finds the faults with all other primitives whose surface may lie within a radius around p.
-    void find_faults_near(double radius, const HalfLine& line, NewRay& r) const {
+    void find_faults_near(double radius, const HalfLine& line, NewRay& new_ray) const {
         const auto test_primitive = [&](std::size_t k) {
             if (k == form_hit_.primitive) return;
             const Primitive<double> other = work_.primitives_[k];
-            if (!(min_distance(p_, other) > radius)) find_faults_with(other, line, r);
+            if (!(min_distance(p_, other) > radius)) find_faults_with(other, line, new_ray);
         };
         if (work_.tree_ == nullptr) {
             for (std::size_t k = 0; k < work_.primitives_.size(); ++k) test_primitive(k);
@@ -328,14 +330,15 @@ private:
     }
 
     /// Finds the faults with a neighbour whose surface may lie between p and the start of the ray.
-    void find_faults_with(const Primitive<double>& other, const HalfLine& line, NewRay& r) const {
-        const Meeting from_p = find_meeting({{p_, r.ray.direction}, 0}, other);
+    void find_faults_with(const Primitive<double>& other, const HalfLine& line, NewRay& new_ray) const {
+        const Meeting from_p = find_meeting({{p_, new_ray.ray.direction}, 0}, other);
         const Meeting from_start = find_meeting(line, other);
         const bool passes_surface =
             line.tmin > 0 ? from_p.meets && !from_start.meets
-                          : !from_p.inside && !from_start.inside && passes_through(p_, r.ray.origin, other);
-        r.add_fault_if(from_p.meets && (from_p.inside != from_start.inside || passes_surface), Fault::lost_occluder);
-        r.add_fault_if(!from_p.inside && from_start.inside, Fault::begins_in_neighbour);
+                          : !from_p.inside && !from_start.inside && passes_through(p_, new_ray.ray.origin, other);
+        new_ray.add_fault_if(from_p.meets && (from_p.inside != from_start.inside || passes_surface),
+                             Fault::lost_occluder);
+        new_ray.add_fault_if(!from_p.inside && from_start.inside, Fault::begins_in_neighbour);
     }
 
     /// Runs the form on the new rays and adds the faults that it causes. A hit beyond the start of the far side counts
@@ -346,11 +349,11 @@ private:
 
         // The rays in the format, of unit length for a form that needs it.
         scene::rays::RayBlock rays;
-        for (const NewRay& r : new_rays) {
-            const bool is_made_unit = info.direction == intersect::Direction::unit && is_finite(r.ray.direction);
-            rays.push({r.ray.origin, is_made_unit
-                                         ? truth::unit_direction(r.ray.direction, work_.tested_form_.format.parameters)
-                                         : r.ray.direction});
+        for (const NewRay& new_ray : new_rays) {
+            const bool is_made_unit = info.direction == intersect::Direction::unit && is_finite(new_ray.ray.direction);
+            rays.push({new_ray.ray.origin,
+                       is_made_unit ? truth::unit_direction(new_ray.ray.direction, work_.tested_form_.format.parameters)
+                                    : new_ray.ray.direction});
         }
         answer::KernelBuffers<S> buffers(rays);
         const auto& [t, near, far, hit] = static_cast<const answer::AnswerBuffers<S>&>(buffers);
@@ -377,12 +380,12 @@ private:
     }
 
     /// Returns the first root that the form reports in (tmin, tmax); NaN if it reports no root there.
-    static double first_reported(const intersect::Info& info, const NewRay& r, const std::array<S, 3>& roots) {
+    static double first_reported(const intersect::Info& info, const NewRay& new_ray, const std::array<S, 3>& roots) {
         const std::size_t begin = info.roots == intersect::Roots::both ? 1 : 0;
         const std::size_t end = info.roots == intersect::Roots::both ? 3 : 1;
         for (std::size_t k = begin; k < end; ++k) {
             const auto root = static_cast<double>(roots[k]);
-            if (root > r.tmin && root < r.tmax) return root;
+            if (root > new_ray.tmin && root < new_ray.tmax) return root;
         }
         return truth::missing;
     }
@@ -408,7 +411,8 @@ bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sid
             if (search_quiet_offset) sides[s].quiet_offset = point.quiet_offset(side);
             for (std::size_t k = 0; k < strategies_.size(); ++k) {
                 StrategyAtPoint& strategy_result = by_strategy[index_at_point(side, k, strategies_.size())];
-                for (const NewRay& r : point.rays(*strategies_[k], side)) add_new_ray(r, point.p(), strategy_result);
+                for (const NewRay& new_ray : point.rays(*strategies_[k], side))
+                    add_new_ray(new_ray, point.p(), strategy_result);
             }
         }
         return true;

@@ -77,7 +77,7 @@ struct StrategyAtPoint {
     /// The largest |new origin − p|, in world units; for the strategy `tmin`, the t that is skipped.
     double offset_size = 0;
 
-    [[nodiscard]] std::uint8_t operator[](Fault f) const { return fault_counts[f]; }
+    [[nodiscard]] std::uint8_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
 };
 
 /// Index of the results of a strategy among those at one point: all strategies to the outside, then all to the inside.

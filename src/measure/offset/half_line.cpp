@@ -17,28 +17,28 @@ using truth::sign;
 namespace {
 
 template <class E>
-std::optional<Meeting> try_meeting(const QuadraticSpan<E>& s) {
-    const auto c = sign(s.c);
+std::optional<Meeting> try_meeting(const QuadraticSpan<E>& span) {
+    const auto c = sign(span.c);
     if (!c) return std::nullopt;
     if (*c < 0) return Meeting{.inside = true, .outside = false, .meets = true};
     Meeting meeting{.inside = false, .outside = *c > 0, .meets = false};
-    const auto h = sign(s.h);
+    const auto h = sign(span.h);
     if (!h) return std::nullopt;
     if (*h >= 0) return meeting;
-    const auto q = sign(s.q);
+    const auto q = sign(span.q);
     if (!q) return std::nullopt;
     meeting.meets = *q > 0;
     return meeting;
 }
 
 template <class E>
-std::optional<Meeting> try_meeting(const SlabSpan<E>& s) {
-    Tri inside = s.open, outside = !s.closed;
-    for (std::size_t i = 0; i < s.entry.size(); ++i) {
-        inside = inside && s.entry[i].n < E(0) && s.exit[i].n > E(0);
-        outside = outside || s.entry[i].n > E(0) || s.exit[i].n < E(0);
+std::optional<Meeting> try_meeting(const SlabSpan<E>& span) {
+    Tri inside = span.open, outside = !span.closed;
+    for (std::size_t i = 0; i < span.entry.size(); ++i) {
+        inside = inside && span.entry[i].n < E(0) && span.exit[i].n > E(0);
+        outside = outside || span.entry[i].n > E(0) || span.exit[i].n < E(0);
     }
-    const Tri meets = truth::enclose<E>(s, nullptr, intersect::Touching::miss).hit;
+    const Tri meets = truth::enclose<E>(span, nullptr, intersect::Touching::miss).hit;
     if (inside.is_unknown() || outside.is_unknown() || meets.is_unknown()) return std::nullopt;
     return Meeting{.inside = inside.is_yes(), .outside = outside.is_yes(), .meets = meets.is_yes()};
 }
@@ -73,17 +73,17 @@ std::optional<Meeting> try_meeting(const S& s) {
 /// inside between two successive roots at which the quartic changes its sign. Numbers with a running error bound cannot
 /// find roots, so they decide nothing here.
 template <class E>
-std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
+std::optional<bool> is_inside_between(const QuarticSpan<E>& span, const E* end) {
     if constexpr (std::same_as<E, number::wide::RunningError<double>>) {
         return std::nullopt;
     } else {
-        const auto roots = enclosed_roots(s.f, s.bound);
+        const auto roots = enclosed_roots(span.f, span.bound);
         if (!roots) return std::nullopt;
         for (int i = 0, entry = -1; i < roots->count; ++i) {
             if (!(*roots)[i].changes_sign) continue;
             const int previous_entry = std::exchange(entry, entry < 0 ? i : -1);
             if (previous_entry < 0) continue;
-            const auto exit_order = roots->order(i, s.b),
+            const auto exit_order = roots->order(i, span.b),
                        entry_order = end ? roots->order(previous_entry, *end) : std::optional(-1);
             if (!exit_order || !entry_order) return std::nullopt;
             if (*exit_order > 0 && *entry_order < 0) return true;
@@ -93,9 +93,9 @@ std::optional<bool> is_inside_between(const QuarticSpan<E>& s, const E* end) {
 }
 
 template <class E>
-std::optional<Meeting> try_meeting(const QuarticSpan<E>& s) {
-    const auto sign_at_start = known_sign(s.f.at(s.b));
-    const auto meets = is_inside_between<E>(s, nullptr);
+std::optional<Meeting> try_meeting(const QuarticSpan<E>& span) {
+    const auto sign_at_start = known_sign(span.f.at(span.b));
+    const auto meets = is_inside_between<E>(span, nullptr);
     if (!sign_at_start || !meets) return std::nullopt;
     return Meeting{.inside = *sign_at_start<0, .outside = *sign_at_start> 0, .meets = *meets};
 }
@@ -127,27 +127,27 @@ auto escalate(const Find& find) {
 /// True if the segment a + s(b − a), 0 ≤ s ≤ 1, meets the open primitive; nothing if this precision does not decide. A
 /// quadratic is tested at both ends, and at its minimum if that lies between them. For slabs, the ray ends at s = 1.
 template <class E>
-std::optional<bool> segment_meets(const QuadraticSpan<E>& s) {
-    for (const auto& c : {sign(s.c), sign<E>(s.a + s.h + s.h + s.c)}) {
+std::optional<bool> segment_meets(const QuadraticSpan<E>& span) {
+    for (const auto& c : {sign(span.c), sign<E>(span.a + span.h + span.h + span.c)}) {
         if (!c) return std::nullopt;
         if (*c < 0) return true;
     }
-    const auto h_start = sign(s.h), h_end = sign<E>(s.a + s.h), q = sign(s.q);
+    const auto h_start = sign(span.h), h_end = sign<E>(span.a + span.h), q = sign(span.q);
     if (!h_start || !h_end || !q) return std::nullopt;
     return *h_start < 0 && *h_end > 0 && *q > 0;
 }
 
 template <class E>
-std::optional<bool> segment_meets(const SlabSpan<E>& s) {
+std::optional<bool> segment_meets(const SlabSpan<E>& span) {
     const SpanRange<E> segment{E(0), {E(1), E(1)}, {}};
-    const Tri hit = truth::enclose<E>(s, &segment, intersect::Touching::miss).hit;
+    const Tri hit = truth::enclose<E>(span, &segment, intersect::Touching::miss).hit;
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());
 }
 
 template <class E>
-std::optional<bool> segment_meets(const QuarticSpan<E>& s) {
-    const E end = s.a + s.b;
-    return is_inside_between(s, &end);
+std::optional<bool> segment_meets(const QuarticSpan<E>& span) {
+    const E end = span.a + span.b;
+    return is_inside_between(span, &end);
 }
 
 template <class E, ComparableSpan<E> S>
@@ -172,26 +172,26 @@ constexpr bool may_be_hit_again = decltype(std::declval<Of<double>>().span(Ray<d
 
 /// The ray starts at a point of the surface. If it goes towards the axis, its start is the near root, and the far root
 /// is the far wall if it lies between the rims.
-FarSide find_far_side(const WallSpan<double>& s) {
-    const auto& side = s.primitive.side;
+FarSide find_far_side(const WallSpan<double>& span) {
+    const auto& side = span.primitive.side;
     if (!(side.h < 0)) return {};
     FarSide far{.t_begin = -side.h / side.a};
-    if (s.crossing(1).closed) far.t_wall = ends_of(side)->far;
+    if (span.crossing(1).closed) far.t_wall = ends_of(side)->far;
     return far;
 }
 /// Along the line, f has two local minima, one for each side of the ring, or only one. Between two minima lies a local
 /// maximum, and f > 0 there if the line leaves the ring in between. All turning points lie within the bound: for |x| ≥
 /// 2√a (R + r) on a line that meets the ball of radius R + r, |p| ≤ 1.12|x|/√a, so that the slope of f has the sign of
 /// x.
-FarSide find_far_side(const QuarticSpan<double>& s) {
-    const ApproximateRoots<double> turns = approximate_roots(s.f.derivative(), s.bound);
+FarSide find_far_side(const QuarticSpan<double>& span) {
+    const ApproximateRoots<double> turns = approximate_roots(span.f.derivative(), span.bound);
     if (turns.count < 3) return {};
     const double turn = turns.x[1];
-    if (!(turn > s.b) || !(s.f.at(turn) > 0)) return {};
-    FarSide far{.t_begin = s.t_at(turn)};
-    const ApproximateRoots<double> roots = approximate_roots(s.f, s.bound);
+    if (!(turn > span.b) || !(span.f.at(turn) > 0)) return {};
+    FarSide far{.t_begin = span.t_at(turn)};
+    const ApproximateRoots<double> roots = approximate_roots(span.f, span.bound);
     const auto wall = std::find_if(roots.x.begin(), roots.x.begin() + roots.count, [&](double x) { return x > turn; });
-    if (wall != roots.x.begin() + roots.count) far.t_wall = s.t_at(*wall);
+    if (wall != roots.x.begin() + roots.count) far.t_wall = span.t_at(*wall);
     return far;
 }
 

@@ -75,7 +75,7 @@ Vec<T> project_onto_surface(const Ray<T>& ray, const Primitive<T>& primitive, co
 /// Side of the surface to which a ray leaves the hit point: by the sign of n·w as the format computes it.
 enum class Side : std::uint8_t { outside, inside };
 inline constexpr std::array<std::string_view, 2> side_names{"outside", "inside"};
-inline constexpr std::string_view name_of(Side side) { return side_names[side]; }
+inline constexpr std::string_view name_of(Side side) { return side_names[static_cast<std::size_t>(side)]; }
 inline constexpr std::array both_sides{Side::outside, Side::inside};
 
 /// Direction in which a new ray leaves the hit point.

@@ -67,7 +67,7 @@ public:
                 ++summary.unresolved;
             if (result_.is_point[i] == 0) continue;
             ++summary.points;
-            for (const Side side : both_sides) add_side(i, side, summary.sides[side]);
+            for (const Side side : both_sides) add_side(i, side, summary.sides[static_cast<std::size_t>(side)]);
         }
     }
 
@@ -99,7 +99,7 @@ private:
     }
 
     void add_side(std::size_t i, Side side, SideSummary& summary) const {
-        const SideOfPoint& side_result = result_.sides[i][side];
+        const SideOfPoint& side_result = result_.sides[i][static_cast<std::size_t>(side)];
         summary.rays += side_result.rays;
         summary.already_safe_points += static_cast<std::uint64_t>(side_result.safe_offset == 0);
         summary.never_safe_points += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
@@ -114,7 +114,7 @@ private:
 
     /// Adds the results of strategy k at pixel i, and keeps the first ray with each fault.
     void add_strategy(std::size_t i, Side side, std::size_t k, SideSummary& summary) const {
-        const double safe_offset = result_.sides[i][side].safe_offset;
+        const double safe_offset = result_.sides[i][static_cast<std::size_t>(side)].safe_offset;
         const StrategyAtPoint& strategy_result = result_.at(i, side, k);
         StrategySummary& s = summary.strategies[k];
         s.offset_size.add(strategy_result.offset_size);
@@ -139,9 +139,8 @@ private:
         for (const NewRay& ray : work_.rays(form_hit(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
                 if (s.first_faulty_rays[f] || !ray.has(static_cast<Fault>(f))) continue;
-                s.first_faulty_rays[f] =
-                    FaultyRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.object[i], ray,
-                              inputs_.primitives[answers_.object[i]]};
+                s.first_faulty_rays[f] = FaultyRay{pixel % result_.width, result_.y0 + pixel / result_.width,
+                                                   answers_.object[i], ray, inputs_.primitives[answers_.object[i]]};
             }
         }
     }

@@ -18,7 +18,7 @@
 namespace lostbits::measure::offset {
 
 inline constexpr std::array<std::string_view, 2> point_kind_names{"computed", "projected"};
-inline constexpr std::string_view name_of(HitPointKind p) { return point_kind_names[p]; }
+inline constexpr std::string_view name_of(HitPointKind p) { return point_kind_names[static_cast<std::size_t>(p)]; }
 
 /// New ray with a fault, and everything needed to reproduce it.
 struct FaultyRay {
@@ -41,9 +41,9 @@ struct StrategySummary {
     /// Points of `size_ratio` whose `offset_size` is less than the smallest safe offset.
     std::uint64_t too_small_points = 0;
 
-    [[nodiscard]] std::uint64_t operator[](Fault f) const { return fault_counts[f]; }
+    [[nodiscard]] std::uint64_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
     [[nodiscard]] const std::optional<FaultyRay>& first_with(Fault f) const {
-        return first_faulty_rays[f];
+        return first_faulty_rays[static_cast<std::size_t>(f)];
     }
 };
 
@@ -80,7 +80,7 @@ struct OffsetSummary {
     std::uint64_t unresolved = 0;  ///< pixels whose truth is not proved
     std::array<SideSummary, 2> sides;
 
-    [[nodiscard]] const SideSummary& side_summary(Side side) const { return sides[side]; }
+    [[nodiscard]] const SideSummary& side_summary(Side side) const { return sides[static_cast<std::size_t>(side)]; }
 };
 
 LOSTBITS_FIELDS(OffsetSummary, pixels, points, unresolved, sides)

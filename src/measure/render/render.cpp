@@ -223,7 +223,7 @@ private:
             if (has_hit(i) && std::isnan(answers_.t[i])) painted.colour = Vec<double>(missing, missing, missing);
             else painted.colour = as_doubles(has_hit(i) ? surface_colour<T>(rule, i) : background_colour<T>(rule, i));
 
-            const TrueColour& true_colour = true_pixels_[i].colours[stage];
+            const TrueColour& true_colour = true_pixels_[i].colours[static_cast<std::size_t>(stage)];
             painted.error = true_colour.is_certain ? 0 : missing;
             for (int k = 0; k < 3; ++k) {
                 const TwoPartNumber& true_channel = true_colour.channel[k];
@@ -238,8 +238,7 @@ private:
 
     template <class T>
     [[nodiscard]] Vec<T> surface_colour(const ShadeRule& rule, std::size_t i) const {
-        const Paint<T> sphere_paint =
-            lifted(inputs_.appearance.paints[answers_.object[i]], lift<T, double>);
+        const Paint<T> sphere_paint = lifted(inputs_.appearance.paints[answers_.object[i]], lift<T, double>);
         const Vec<T> p = lift_vec<T>(points_[i]);
         return shade<T>(sphere_paint, rule, blocker_bits_[i] != blocked_by_nothing,
                         {lift_vec<T>(normals_[i]), unit_of<T>(lift_vec<T>(inputs_.appearance.light) - p),

@@ -89,9 +89,9 @@ struct RenderSummary {
     std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
     metric::Distribution colour_error, normal_angle, residual;
 
-    [[nodiscard]] std::uint64_t count(SeenContent s) const { return seen[s]; }
+    [[nodiscard]] std::uint64_t count(SeenContent s) const { return seen[static_cast<std::size_t>(s)]; }
     [[nodiscard]] std::uint64_t count(Receiver receiver, Shadow s) const {
-        return shadow[receiver][s];
+        return shadow[static_cast<std::size_t>(receiver)][static_cast<std::size_t>(s)];
     }
     /// Returns the number of pixels that show the wrong sphere, no sphere where there is one, a sphere where there is
     /// none, or NaN.

@@ -31,7 +31,7 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         const bool is_same_sphere = band.seen[i] == SeenContent::same_sphere;
 
         ++s.pixels;
-        ++s.seen[band.seen[i]];
+        ++s.seen[static_cast<std::size_t>(band.seen[i])];
 
         // Colours
         s.colour_unresolved += !colour.is_certain && band.seen[i] != SeenContent::unresolved;
@@ -51,13 +51,12 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         // Shadows: of the form compared with the truth, then of the truth alone
         if (!s.rule.has_shadows) continue;
         const Receiver receiver = band.seen[i] == SeenContent::background ? Receiver::background : Receiver::sphere;
-        ++s.shadow[receiver][band.shadow[i]];
+        ++s.shadow[static_cast<std::size_t>(receiver)][static_cast<std::size_t>(band.shadow[i])];
         if (band.true_primitive[i] < 0 || !true_pixel.faces_light || true_pixel.shadow != TrueShadow::shadowed ||
             !colour.is_certain)
             continue;
         ++s.truly_shadowed_points;
-        s.light_in_true_shadow += has_light_in_shadow(
-            true_pixel, colour, appearance.paints[band.true_primitive[i]]);
+        s.light_in_true_shadow += has_light_in_shadow(true_pixel, colour, appearance.paints[band.true_primitive[i]]);
     }
 }
 

@@ -107,9 +107,7 @@ private:
         return is_in_file(place_index) ? place_index : -1;
     }
     [[nodiscard]] std::size_t line_begin(int line) const {
-        return line < 1 || static_cast<std::size_t>(line) > line_begins_.size()
-                   ? text_.size()
-                   : line_begins_[line - 1];
+        return line < 1 || static_cast<std::size_t>(line) > line_begins_.size() ? text_.size() : line_begins_[line - 1];
     }
 
     /// Finds where the text computes each node of the tape, and from which offset on a variable holds a node.
@@ -367,8 +365,7 @@ void Patcher::Writer::add_visible_names(const std::map<NodeId, NodeId>& replacem
     }
 
     // Variables hold nodes, from where they get their values on.
-    for (const StoredNode& s : stored_nodes_)
-        visible_names_.push_back({s.begin, s.text, values[s.node]});
+    for (const StoredNode& s : stored_nodes_) visible_names_.push_back({s.begin, s.text, values[s.node]});
 }
 
 /// Returns the changes as a diff; empty if the changed file does not answer like the tape.

@@ -184,15 +184,13 @@ public:
 
 private:
     /// Terms of a sum, a difference or a negation, sorted: 2 · the number of the term, + 1 if it is subtracted.
-    static std::vector<int> sum_terms(const TapeNode& n, const std::vector<std::vector<int>>& terms_of_node) {
-        const auto terms_of_operand = [&](std::size_t k) {
-            return terms_of_node[n.operands[k]];
-        };
+    static std::vector<int> sum_terms(const TapeNode& node, const std::vector<std::vector<int>>& terms_of_node) {
+        const auto terms_of_operand = [&](std::size_t k) { return terms_of_node[node.operands[k]]; };
         std::vector<int> terms = terms_of_operand(0);
-        if (n.op == TapeOp::neg) negate(terms);
+        if (node.op == TapeOp::neg) negate(terms);
         else {
             auto second_terms = terms_of_operand(1);
-            if (n.op == TapeOp::sub) negate(second_terms);
+            if (node.op == TapeOp::sub) negate(second_terms);
             terms.insert(terms.end(), second_terms.begin(), second_terms.end());
         }
         std::ranges::sort(terms);

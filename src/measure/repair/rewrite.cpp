@@ -190,12 +190,12 @@ private:
 
 bool divides_by_zero(const Tape& tape) {
     return std::ranges::any_of(
-        tape.nodes, [&](const TapeNode& n) { return n.op == TapeOp::div && tape[n.operands[1]].value == 0; });
+        tape.nodes, [&](const TapeNode& node) { return node.op == TapeOp::div && tape[node.operands[1]].value == 0; });
 }
 
 Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) {
-    for (TapeNode& n : tape.nodes)
-        if (n.op == TapeOp::input) n.value = inputs.at(n.operands[0]);
+    for (TapeNode& node : tape.nodes)
+        if (node.op == TapeOp::input) node.value = inputs.at(node.operands[0]);
     const attribution::Rerun run(tape, [rounds](NodeId) { return rounds; });
     for (NodeId i = 0; i < tape.size(); ++i) tape[i].value = run[i];
     return tape;

@@ -113,21 +113,23 @@ bool stays_positive(const QuadraticAt<Near>& start, const Near& a, const Near& s
 
 /// True if no line of all problems meets the part of a quadric between the planes. If the line runs along the axis, or
 /// past a rim, the enclosures leave several signs open that no single problem has together.
-bool misses(const CappedSpan<Near>& s) {
-    if (!s.crosses_planes.is_yes() || !(s.at_planes_entry.value.lowest() > 0 && s.at_planes_exit.value.lowest() > 0))
+bool misses(const CappedSpan<Near>& span) {
+    if (!span.crosses_planes.is_yes() ||
+        !(span.at_planes_entry.value.lowest() > 0 && span.at_planes_exit.value.lowest() > 0))
         return false;
-    const Near step = s.planes_exit.n - s.planes_entry.n;
-    const QuadraticAt<Near> back{s.at_planes_exit.value, -s.at_planes_exit.half_slope};
-    return stays_positive(s.at_planes_entry, s.side.a, step) || stays_positive(back, s.side.a, step);
+    const Near step = span.planes_exit.n - span.planes_entry.n;
+    const QuadraticAt<Near> back{span.at_planes_exit.value, -span.at_planes_exit.half_slope};
+    return stays_positive(span.at_planes_entry, span.side.a, step) || stays_positive(back, span.side.a, step);
 }
 /// Lines that run inside a tube from plane to plane miss it, too.
-bool misses(const WallSpan<Near>& s) {
-    const auto& [at_entry, at_exit] = std::pair(s.primitive.at_planes_entry.value, s.primitive.at_planes_exit.value);
+bool misses(const WallSpan<Near>& span) {
+    const auto& [at_entry, at_exit] =
+        std::pair(span.primitive.at_planes_entry.value, span.primitive.at_planes_exit.value);
     const bool runs_inside = at_entry.highest() < 0 && at_exit.highest() < 0;
-    return (s.primitive.crosses_planes.is_yes() && runs_inside) || misses(s.primitive);
+    return (span.primitive.crosses_planes.is_yes() && runs_inside) || misses(span.primitive);
 }
 /// A line misses a ball if the discriminant is below zero.
-bool misses(const QuadraticSpan<Near>& s) { return s.q.highest() < 0; }
+bool misses(const QuadraticSpan<Near>& span) { return span.q.highest() < 0; }
 bool misses(const auto&) { return false; }
 
 /// True if every line of all problems misses each of the parts of a primitive that is a union.

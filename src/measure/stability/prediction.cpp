@@ -35,8 +35,8 @@ private:
 
 std::uint64_t seed_of(const Tape& tape) {
     std::uint64_t seed = 0;
-    for (const TapeNode& n : tape.nodes)
-        if (n.op == TapeOp::input) seed = SplitMix64(seed ^ std::bit_cast<std::uint64_t>(n.value)).next_bits();
+    for (const TapeNode& node : tape.nodes)
+        if (node.op == TapeOp::input) seed = SplitMix64(seed ^ std::bit_cast<std::uint64_t>(node.value)).next_bits();
     return seed;
 }
 

@@ -32,10 +32,10 @@ struct CriticalPoints {
     ApproximateRoots<double> points;
 
     template <class E>
-    explicit CriticalPoints(const QuarticSpan<E>& s) {
+    explicit CriticalPoints(const QuarticSpan<E>& span) {
         Polynomial<double> f{{}, 4};
-        for (int i = 0; i <= 4; ++i) f.coefficient(i) = value_of(s.f.coefficient(i));
-        points = approximate_roots(f.derivative(), value_of(s.bound));
+        for (int i = 0; i <= 4; ++i) f.coefficient(i) = value_of(span.f.coefficient(i));
+        points = approximate_roots(f.derivative(), value_of(span.bound));
     }
     [[nodiscard]] std::optional<double> maximum() const {
         return points.count == 3 ? std::optional(points.x[1]) : std::nullopt;
@@ -52,16 +52,16 @@ private:
 /// exact to first order.
 class QuarticCases {
 public:
-    QuarticCases(const QuarticSpan<Near>& s, const SpanRange<Near>* range, intersect::Convention convention,
+    QuarticCases(const QuarticSpan<Near>& span, const SpanRange<Near>* range, intersect::Convention convention,
                  CountedChange counted, Cases& cases)
-        : span_(s),
+        : span_(span),
           range_(range),
           convention_(convention),
           counted_(counted),
           cases_(cases),
-          critical_points_(s),
-          begin_(range ? s.x_at(range->begin) : s.b) {
-        if (range && (range->end.m > Near(0)).is_yes()) end_ = s.x_at(range->end.n);
+          critical_points_(span),
+          begin_(range ? span.x_at(range->begin) : span.b) {
+        if (range && (range->end.m > Near(0)).is_yes()) end_ = span.x_at(range->end.n);
     }
 
     [[nodiscard]] SpanDecision decide() {
@@ -177,8 +177,7 @@ private:
         std::array<Near, 5> c;
         TaylorExpansion(const Polynomial<Near>& f, double m, int sign) {
             const Near x(m);
-            for (int i = 0; i <= 4; ++i)
-                c[i] = sign > 0 ? f.coefficient(i) : -f.coefficient(i);
+            for (int i = 0; i <= 4; ++i) c[i] = sign > 0 ? f.coefficient(i) : -f.coefficient(i);
             for (std::size_t k = 0; k < 4; ++k)
                 for (std::size_t i = 4; i-- > k;) c[i] = c[i] + c[i + 1] * x;
         }

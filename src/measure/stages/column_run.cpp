@@ -119,9 +119,7 @@ private:
         return offset;
     }
     Column& column_at(ColumnIndex column_index) { return columns_[column_index]; }
-    [[nodiscard]] const Column& column_at(ColumnIndex column_index) const {
-        return columns_[column_index];
-    }
+    [[nodiscard]] const Column& column_at(ColumnIndex column_index) const { return columns_[column_index]; }
 
     const ColumnProgram& program_;
     std::size_t lanes_;
@@ -160,7 +158,7 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
         const bool is_gate = instruction->operation == ColumnOperation::gate,
                    is_shared = !is_gate && layout.is_shared(*instruction);
         const auto& word_kernels = kernels.by_words[program.words_per_number - 1];
-        const auto& operation_kernels = word_kernels[instruction->operation];
+        const auto& operation_kernels = word_kernels[static_cast<std::size_t>(instruction->operation)];
         (is_shared ? shared_steps_ : ray_steps_)
             .push_back({is_gate ? nullptr : operation_kernels[instruction->exact], &operands_[first_operand],
                         acts_on_masks(instruction->operation)});

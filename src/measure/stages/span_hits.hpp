@@ -32,15 +32,15 @@ struct SpanHit {
 /// Near root of a quadratic: c/(−h + √q), or −(h + √q)/a if h > 0 (`is_h_positive`). If `far`, the far root: (−h +
 /// √q)/a, or −c/(h + √q) if h > 0. If the sign of h is not proved, both expressions are valid.
 template <class E>
-Fraction<E> fraction_of_root(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far,
+Fraction<E> fraction_of_root(const QuadraticSpan<E>& span, const mask_t<typename E::P>& far,
                              const mask_t<typename E::P>& is_h_positive) {
     const auto divides_by_a = (far && !is_h_positive) || (is_h_positive && !far);
-    const E sum = sqrt(s.q) + select(is_h_positive, s.h, -s.h), n = select(divides_by_a, sum, s.c);
-    return {select(is_h_positive, -n, n), select(divides_by_a, s.a, sum)};
+    const E sum = sqrt(span.q) + select(is_h_positive, span.h, -span.h), n = select(divides_by_a, sum, span.c);
+    return {select(is_h_positive, -n, n), select(divides_by_a, span.a, sum)};
 }
 template <class E>
-E root_of(const QuadraticSpan<E>& s, const mask_t<typename E::P>& far, const mask_t<typename E::P>& is_h_positive) {
-    const Fraction<E> root = fraction_of_root(s, far, is_h_positive);
+E root_of(const QuadraticSpan<E>& span, const mask_t<typename E::P>& far, const mask_t<typename E::P>& is_h_positive) {
+    const Fraction<E> root = fraction_of_root(span, far, is_h_positive);
     return root.n / root.m;
 }
 
@@ -53,38 +53,39 @@ Mask entry_in_time(const Order<Mask>& to_end, const SpanRange<T>& range) {
 
 /// Answer of `truth::enclose` for the usual convention.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const QuadraticSpan<RunningError<W>>& s) {
+SpanHit<RunningError<W>> first_span_hit(const QuadraticSpan<RunningError<W>>& span) {
     using E = RunningError<W>;
     using P = typename E::P;
     const E zero(0);
-    const auto outside = s.c > zero;
-    const auto inside = s.c < zero;
-    const auto is_h_positive = s.h > zero;
-    const auto hit = (s.q > zero).yes() && (inside.yes() || (outside.yes() && (s.h < zero).yes()));
-    const auto missed = outside.yes() && ((s.h >= zero).yes() || (s.q < zero).yes()), no_lane = P(0) < P(0);
+    const auto outside = span.c > zero;
+    const auto inside = span.c < zero;
+    const auto is_h_positive = span.h > zero;
+    const auto hit = (span.q > zero).yes() && (inside.yes() || (outside.yes() && (span.h < zero).yes()));
+    const auto missed = outside.yes() && ((span.h >= zero).yes() || (span.q < zero).yes()), no_lane = P(0) < P(0);
     if (is_unset(hit)) return {hit, missed, no_lane, zero};
-    return {hit, missed, no_lane, root_of(s, inside.yes(), is_h_positive.yes())};
+    return {hit, missed, no_lane, root_of(span, inside.yes(), is_h_positive.yes())};
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const QuadraticSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+SpanHit<RunningError<W>> first_span_hit(const QuadraticSpan<RunningError<W>>& span,
+                                        const SpanRange<RunningError<W>>& range) {
     using E = RunningError<W>;
     using P = typename E::P;
     const E zero(0);
-    const auto begin = quadratic_at(s, range.begin), end = quadratic_at(s, range.end);
+    const auto begin = quadratic_at(span, range.begin), end = quadratic_at(span, range.end);
     const auto outside = begin.value > zero, inside = begin.value < zero;
     const auto near_in_range = entry_in_time(end.order_of_near_root(), range),
                far_in_range = is_before_range_end(end.order_of_far_root(), range);
     const auto hits_far = inside.yes() && far_in_range.yes();
     const auto hits_near = outside.yes() && (begin.half_slope < zero).yes() && near_in_range.yes();
-    const auto hit = (s.q > zero).yes() && (hits_near || hits_far);
+    const auto hit = (span.q > zero).yes() && (hits_near || hits_far);
     const auto missed =
-        (outside.yes() && ((begin.half_slope >= zero).yes() || (s.q < zero).yes() || near_in_range.no())) ||
+        (outside.yes() && ((begin.half_slope >= zero).yes() || (span.q < zero).yes() || near_in_range.no())) ||
         (inside.yes() && far_in_range.no());
     const auto no_lane = P(0) < P(0);
     if (is_unset(hit)) return {hit, missed, no_lane, zero};
-    return {hit, missed, no_lane, root_of(s, hits_far, (s.h > zero).yes())};
+    return {hit, missed, no_lane, root_of(span, hits_far, (span.h > zero).yes())};
 }
 
 /// Order of x and y, each of which may be off by 2^-44 of itself plus half of `least`.
@@ -144,22 +145,23 @@ struct QuickSlabs {
     mask_t<typename RunningError<W>::P> is_precise;
 };
 template <class W>
-QuickSlabs<W> quick_slabs(const SlabSpan<RunningError<W>>& s) {
+QuickSlabs<W> quick_slabs(const SlabSpan<RunningError<W>>& span) {
     using E = RunningError<W>;
     using P = typename E::P;
     using lostbits::abs;
     using Quick = ByFirstWord<W>;
-    QuickSlabs<W> slabs{{.entry = {}, .exit = {}, .crossed = s.crossed, .closed = s.closed, .open = s.open, .d2 = {}},
-                        P(0) <= P(0)};
+    QuickSlabs<W> slabs{
+        {.entry = {}, .exit = {}, .crossed = span.crossed, .closed = span.closed, .open = span.open, .d2 = {}},
+        P(0) <= P(0)};
     const auto to_quick = [&slabs](const E& x) {
         slabs.is_precise =
             slabs.is_precise && x.radius() <= P(0x1p-46) * abs(x.first());  // and the second word is smaller
         return Quick(x);
     };
     for_each_axis([&](auto i) {
-        const Quick m = to_quick(s.entry[i].m);
-        slabs.span.entry[i] = {to_quick(s.entry[i].n), m};
-        slabs.span.exit[i] = {to_quick(s.exit[i].n), m};
+        const Quick m = to_quick(span.entry[i].m);
+        slabs.span.entry[i] = {to_quick(span.entry[i].n), m};
+        slabs.span.exit[i] = {to_quick(span.exit[i].n), m};
     });
     return slabs;
 }
@@ -167,10 +169,10 @@ QuickSlabs<W> quick_slabs(const SlabSpan<RunningError<W>>& s) {
 /// Answer of `truth::enclose` for the usual convention. If a first word is not good to 2^-45 of itself, no decision
 /// is proved.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& s) {
+SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& span) {
     using E = RunningError<W>;
     using Quick = ByFirstWord<W>;
-    const auto [slabs, is_precise] = quick_slabs(s);
+    const auto [slabs, is_precise] = quick_slabs(span);
     const SlabHit<Quick> in = slab_hit(slabs);
     const Fraction<Quick> entry = largest_entry(slabs);
     const auto at_origin = (entry.n <= Quick(0)).yes(), hit = is_precise && in.open.yes(),
@@ -182,10 +184,11 @@ SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& s) {
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& span,
+                                        const SpanRange<RunningError<W>>& range) {
     using E = RunningError<W>;
     using Quick = ByFirstWord<W>;
-    const auto [slabs, is_precise] = quick_slabs(s);
+    const auto [slabs, is_precise] = quick_slabs(span);
     const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open_ends};
     const SlabHit<Quick> in = slab_hit(slabs, quick_range);
     const Fraction<Quick> entry = largest_entry(slabs, quick_range);
@@ -201,58 +204,61 @@ SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& s, cons
 /// Answer of `truth::enclose` for the usual convention, if the ray meets neither the rim nor the surface at its
 /// origin.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const FlatSpan<RunningError<W>>& s) {
+SpanHit<RunningError<W>> first_span_hit(const FlatSpan<RunningError<W>>& span) {
     using P = typename RunningError<W>::P;
     const RunningError<W> zero(0), one(1);
-    const auto hit = s.open.yes() && (s.at.n > zero).yes(), no_lane = P(0) < P(0);
-    const auto missed = s.closed.no() || (s.at.n < zero).yes();
+    const auto hit = span.open.yes() && (span.at.n > zero).yes(), no_lane = P(0) < P(0);
+    const auto missed = span.closed.no() || (span.at.n < zero).yes();
     if (is_unset(hit)) return {hit, missed, no_lane, zero};
-    return {hit, missed, no_lane, s.at.n / select(hit, s.at.m, one)};
+    return {hit, missed, no_lane, span.at.n / select(hit, span.at.m, one)};
 }
 
 /// Answer of `truth::enclose` for a ray with a range that does not begin on the surface.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const FlatSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+SpanHit<RunningError<W>> first_span_hit(const FlatSpan<RunningError<W>>& span,
+                                        const SpanRange<RunningError<W>>& range) {
     using P = typename RunningError<W>::P;
     const RunningError<W> zero(0), one(1);
-    const auto to_begin = order_of(s.at, Fraction<RunningError<W>>{range.begin, one});
-    const auto before_end = is_before_range_end(order_of(s.at, range.end), range);
-    const auto hit = s.open.yes() && to_begin.at_most.no() && before_end.yes(), no_lane = P(0) < P(0);
-    const auto missed = s.closed.no() || to_begin.less.yes() || before_end.no();
+    const auto to_begin = order_of(span.at, Fraction<RunningError<W>>{range.begin, one});
+    const auto before_end = is_before_range_end(order_of(span.at, range.end), range);
+    const auto hit = span.open.yes() && to_begin.at_most.no() && before_end.yes(), no_lane = P(0) < P(0);
+    const auto missed = span.closed.no() || to_begin.less.yes() || before_end.no();
     if (is_unset(hit)) return {hit, missed, no_lane, zero};
-    return {hit, missed, no_lane, s.at.n / select(hit, s.at.m, one)};
+    return {hit, missed, no_lane, span.at.n / select(hit, span.at.m, one)};
 }
 
 /// Answer of `truth::enclose` for the usual convention, if the ray meets no rim: the near side if the ray is known
 /// to meet it, and the far side if the ray is known not to meet the near one.
 template <class E, class Begin>
-SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& s, const Begin& begin, const std::array<mask_t<E>, 2>& in_range) {
+SpanHit<E> first_span_hit_of_wall(const WallSpan<E>& span, const Begin& begin,
+                                  const std::array<mask_t<E>, 2>& in_range) {
     using P = typename E::P;
     const auto no_lane = P(0) < P(0);
     std::array<mask_t<P>, 2> hits{no_lane, no_lane}, misses{no_lane, no_lane};
     for (std::size_t i = 0; i < 2; ++i) {
-        const auto crossing = s.crossing(static_cast<int>(i));
-        const auto to_begin = s.compare_crossing(static_cast<int>(i), begin);
+        const auto crossing = span.crossing(static_cast<int>(i));
+        const auto to_begin = span.compare_crossing(static_cast<int>(i), begin);
         hits[i] = crossing.open.yes() && to_begin.at_most.no() && in_range[i].yes();
         misses[i] = crossing.closed.no() || to_begin.less.yes() || in_range[i].no();
     }
     const auto hits_far = misses[0] && hits[1], hit = hits[0] || hits_far, missed = misses[0] && misses[1];
     if (is_unset(hit)) return {hit, missed, no_lane, E(1)};
-    return {hit, missed, no_lane, root_of(s.primitive.side, hits_far, (s.primitive.side.h > E(0)).yes())};
+    return {hit, missed, no_lane, root_of(span.primitive.side, hits_far, (span.primitive.side.h > E(0)).yes())};
 }
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const WallSpan<RunningError<W>>& s) {
+SpanHit<RunningError<W>> first_span_hit(const WallSpan<RunningError<W>>& span) {
     using E = RunningError<W>;
     const auto always = E(0) <= E(0);
-    return first_span_hit_of_wall<E>(s, ZeroParameter(), {always, always});
+    return first_span_hit_of_wall<E>(span, ZeroParameter(), {always, always});
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const WallSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
-    return first_span_hit_of_wall<RunningError<W>>(s, Fraction<RunningError<W>>{range.begin, RunningError<W>(1)},
-                                              {is_before_range_end(s.compare_crossing(0, range.end), range),
-                                               is_before_range_end(s.compare_crossing(1, range.end), range)});
+SpanHit<RunningError<W>> first_span_hit(const WallSpan<RunningError<W>>& span,
+                                        const SpanRange<RunningError<W>>& range) {
+    return first_span_hit_of_wall<RunningError<W>>(span, Fraction<RunningError<W>>{range.begin, RunningError<W>(1)},
+                                                   {is_before_range_end(span.compare_crossing(0, range.end), range),
+                                                    is_before_range_end(span.compare_crossing(1, range.end), range)});
 }
 
 /// The t at which the line enters (if `far`, leaves), in the lanes of a hit. `known` is set in the lanes in which this
@@ -263,21 +269,23 @@ struct BoundaryHit {
     E t;
 };
 template <class W>
-BoundaryHit<RunningError<W>> boundary_hit(const CappedSpan<RunningError<W>>& s, const mask_t<typename RunningError<W>::P>& far) {
+BoundaryHit<RunningError<W>> boundary_hit(const CappedSpan<RunningError<W>>& span,
+                                          const mask_t<typename RunningError<W>::P>& far) {
     using E = RunningError<W>;
-    const auto near_cap = s.enters_by_cap(), far_cap = s.leaves_by_cap();
+    const auto near_cap = span.enters_by_cap(), far_cap = span.leaves_by_cap();
     const auto by_cap = (!far && near_cap.yes()) || (far && far_cap.yes());
     const auto by_side = (!far && near_cap.no()) || (far && far_cap.no());
-    const Fraction<E> root = fraction_of_root(s.side, far, (s.side.h > E(0)).yes());
-    return {by_cap || by_side, select(by_cap, select(far, s.planes_exit.n, s.planes_entry.n), root.n) /
-                                   select(by_cap, s.planes_entry.m, root.m)};
+    const Fraction<E> root = fraction_of_root(span.side, far, (span.side.h > E(0)).yes());
+    return {by_cap || by_side, select(by_cap, select(far, span.planes_exit.n, span.planes_entry.n), root.n) /
+                                   select(by_cap, span.planes_entry.m, root.m)};
 }
 template <class W>
-BoundaryHit<RunningError<W>> boundary_hit(const JoinedSpan<RunningError<W>>& s, const mask_t<typename RunningError<W>::P>& far) {
+BoundaryHit<RunningError<W>> boundary_hit(const JoinedSpan<RunningError<W>>& span,
+                                          const mask_t<typename RunningError<W>::P>& far) {
     using P = typename RunningError<W>::P;
-    const QuadraticSpan<RunningError<W>> quadratic{select(far, s.leave.h, s.enter.h), select(far, s.leave.c, s.enter.c),
-                                              select(far, s.leave.a, s.enter.a), select(far, s.leave.q, s.enter.q),
-                                              s.d2};
+    const QuadraticSpan<RunningError<W>> quadratic{
+        select(far, span.leave.h, span.enter.h), select(far, span.leave.c, span.enter.c),
+        select(far, span.leave.a, span.enter.a), select(far, span.leave.q, span.enter.q), span.d2};
     return {P(0) <= P(0), root_of(quadratic, far, (quadratic.h > RunningError<W>(0)).yes())};
 }
 
@@ -298,7 +306,8 @@ SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& 
     return {(hits_near || hits_far) && boundary.known, missed, no_lane, boundary.t};
 }
 template <class W, template <class> class Span>
-requires ComparableSpan<Span<RunningError<W>>, RunningError<W>> SpanHit<RunningError<W>> first_span_hit(const Span<RunningError<W>>& s) {
+requires ComparableSpan<Span<RunningError<W>>, RunningError<W>> SpanHit<RunningError<W>> first_span_hit(
+    const Span<RunningError<W>>& s) {
     using E = RunningError<W>;
     const auto always = E(0) <= E(0);
     return first_span_hit_from<E>(s, ZeroParameter(), always, always);
@@ -309,27 +318,29 @@ template <class W, template <class> class Span>
 requires ComparableSpan<Span<RunningError<W>>, RunningError<W>> SpanHit<RunningError<W>> first_span_hit(
     const Span<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
     return first_span_hit_from<RunningError<W>>(s, Fraction<RunningError<W>>{range.begin, RunningError<W>(1)},
-                                           entry_in_time(s.compare_entry(range.end), range),
-                                           is_before_range_end(s.compare_exit(range.end), range));
+                                                entry_in_time(s.compare_entry(range.end), range),
+                                                is_before_range_end(s.compare_exit(range.end), range));
 }
 
 /// First t on a surface of degree four: the answer of `truth::enclose` for the usual convention. If every root is known
 /// to be simple, the first root ahead is an entry or an exit.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const QuarticSpan<RunningError<W>>& s) {
+SpanHit<RunningError<W>> first_span_hit(const QuarticSpan<RunningError<W>>& span) {
     using P = typename RunningError<W>::P;
-    const FirstRoot<RunningError<W>> root = first_root(s.f, s.b, s.bound);
-    return {root.is_found, root.is_absent, P(0) < P(0), s.t_at(root.root)};
+    const FirstRoot<RunningError<W>> root = first_root(span.f, span.b, span.bound);
+    return {root.is_found, root.is_absent, P(0) < P(0), span.t_at(root.root)};
 }
 
 /// Answer of `truth::enclose` for a ray with a range.
 template <class W>
-SpanHit<RunningError<W>> first_span_hit(const QuarticSpan<RunningError<W>>& s, const SpanRange<RunningError<W>>& range) {
+SpanHit<RunningError<W>> first_span_hit(const QuarticSpan<RunningError<W>>& span,
+                                        const SpanRange<RunningError<W>>& range) {
     using P = typename RunningError<W>::P;
-    const FirstRoot<RunningError<W>> root = first_root(s.f, s.x_at(range.begin), s.bound);
-    const RunningError<W> end = s.a * range.end.n + s.b * range.end.m;
+    const FirstRoot<RunningError<W>> root = first_root(span.f, span.x_at(range.begin), span.bound);
+    const RunningError<W> end = span.a * range.end.n + span.b * range.end.m;
     const auto is_in_time = (root.high * range.end.m < end).yes(), is_late = (root.low * range.end.m > end).yes();
-    return {root.is_found && is_in_time, root.is_absent || (root.is_found && is_late), P(0) < P(0), s.t_at(root.root)};
+    return {root.is_found && is_in_time, root.is_absent || (root.is_found && is_late), P(0) < P(0),
+            span.t_at(root.root)};
 }
 
 }  // namespace lostbits::measure::stages

@@ -151,9 +151,9 @@ Enclosure<P> accepted_length(const E& length, const mask_t<P>& at_origin, const 
     return {select<P>(at_origin, {zero, zero}, x.middle), select(at_origin, zero, x.bound)};
 }
 
-/// Settles rays at a shape; S is the shape over `RunningError` words. The lambda copies the numbers: since no pointer refers
-/// to them, the compiler keeps them in registers and does not forget what it knows about them. `range(proper)` is
-/// called only if the rays have ranges.
+/// Settles rays at a shape; S is the shape over `RunningError` words. The lambda copies the numbers: since no pointer
+/// refers to them, the compiler keeps them in registers and does not forget what it knows about them. `range(proper)`
+/// is called only if the rays have ranges.
 template <template <class> class S, class E, class Range, class P = typename E::P>
 Finding<P> settle_shape(const ObjectSpaceProblem<S<E>, E>& problem, const RequestedResults& requested,
                         const Range& range) {

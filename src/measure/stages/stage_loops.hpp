@@ -108,7 +108,7 @@ void fill_stages(RawStages& kernels) {
     kernels = {column_kernels<P>(), settle_unit_directions<P>, {}};
     Primitives::each([&]<template <class> class ShapeOver>() {
         constexpr std::size_t count = number_count<ShapeOver<P>>;
-        auto& ties = kernels.ties[shape_as<ShapeOver>];
+        auto& ties = kernels.ties[static_cast<std::size_t>(shape_as<ShapeOver>)];
         if constexpr (is_flat_between_points<ShapeOver<Multiple<P>>>)
             ties = settle_ties<ShapeOver, P, settle_tie<ShapeOver, P, count>>;
         else if constexpr (is_quartic_along<ShapeOver<RunningError<TwoWords<P>>>>)

@@ -82,7 +82,7 @@ std::uint64_t shared_inputs_of(const RawProblems<S>& p) {
 template <class S>
 void ShapeStage<S>::operator()(const RawProblems<S>& problems) const {
     if constexpr (std::is_same_v<S, double>) {
-        if (arithmetic == Arithmetic::exact_sums) return kernels->ties[shape](problems);
+        if (arithmetic == Arithmetic::exact_sums) return kernels->ties[static_cast<std::size_t>(shape)](problems);
     }
     const StageKey key{.shape = shape,
                        .words = arithmetic == Arithmetic::one_word ? 1 : 2,
@@ -99,7 +99,7 @@ template void ShapeStage<double>::operator()(const RawProblems<double>&) const;
 
 Stages stages_of(Shape shape, Isa isa) {
     const RawStages& kernels = kernels_at(isa);
-    const bool has_ties = kernels.ties[shape] != nullptr;
+    const bool has_ties = kernels.ties[static_cast<std::size_t>(shape)] != nullptr;
     using Exact = ShapeStage<double>;
     return {.binary64 = {shape, ShapeStage<float>::Arithmetic::one_word, &kernels},
             .double_double = {shape, Exact::Arithmetic::two_words, &kernels},

@@ -82,8 +82,8 @@ void make_exact(const std::array<P, count>& problems, const mask_t<P>& value, co
 
     for (std::size_t power = 0; power < 2; ++power) {
         const auto word = [&](std::size_t k) { return P::load(words[power][k]); };
-        g.c[power] = select(power == 0 ? value : slope, RunningError<TwoWords<P>>(TwoWords<P>(word(0), word(1)), word(2)),
-                            g.c[power]);
+        g.c[power] = select(power == 0 ? value : slope,
+                            RunningError<TwoWords<P>>(TwoWords<P>(word(0), word(1)), word(2)), g.c[power]);
     }
 }
 

@@ -22,7 +22,7 @@ std::uint64_t FloatTally::wrong_count() const {
 }
 
 void FloatTally::add(std::uint32_t float_index, answer::Outcome outcome, double ulps) {
-    const bool is_first = ++outcomes[outcome] == 1;
+    const bool is_first = ++outcomes[static_cast<std::size_t>(outcome)] == 1;
     const bool is_worse = std::fabs(ulps) > error_bound;
     if (answer::is_wrong(outcome)) {
         if (!first_wrong) first_wrong = {float_index, outcome};

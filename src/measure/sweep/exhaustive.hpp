@@ -74,7 +74,7 @@ struct FloatTally {
     std::optional<Padding> padding;
 
     [[nodiscard]] std::uint64_t count(answer::Outcome outcome) const {
-        return outcomes[outcome];
+        return outcomes[static_cast<std::size_t>(outcome)];
     }
     [[nodiscard]] std::uint64_t floats() const;
     [[nodiscard]] std::uint64_t wrong_count() const;

@@ -39,7 +39,7 @@ public:
     /// Adds the largest padding among the missed hits. `padding(i)` is the gap between the slabs at float i, in u.
     template <class PaddingOf>
     void add_padding(const PaddingOf& padding) {
-        if (ulps_.counts()[Outcome::false_miss] == 0) return;
+        if (ulps_.counts()[static_cast<std::size_t>(Outcome::false_miss)] == 0) return;
         for (std::size_t i = 0; i < ulps_.size(); ++i) {
             if (ulps_.outcome(i) != Outcome::false_miss) continue;
             const double u = padding(i);
@@ -50,7 +50,7 @@ public:
 private:
     void add_wrong() {
         const auto& counts = ulps_.counts();
-        const auto occurs = [&](Outcome o) { return counts[o] > 0; };
+        const auto occurs = [&](Outcome o) { return counts[static_cast<std::size_t>(o)] > 0; };
         if (!occurs(Outcome::false_hit) && !occurs(Outcome::false_miss) && !occurs(Outcome::not_a_number)) return;
 
         // The first float of each wrong decision.

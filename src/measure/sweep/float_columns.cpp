@@ -219,7 +219,7 @@ void UlpColumns::compare(std::span<const float> t, std::span<const std::uint8_t>
     classify(hit, truth);
 
     largest_low_ = largest_high_ = -1;
-    if (counts_[Outcome::agree_hit] == 0) {
+    if (counts_[static_cast<std::size_t>(Outcome::agree_hit)] == 0) {
         std::ranges::fill(low_, -1.0);
         std::ranges::fill(high_, -1.0);
         return;

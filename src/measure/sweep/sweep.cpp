@@ -47,11 +47,12 @@ bool measures_transform_step(const Metric& m) {
 /// Adds a loss of 1, 4 and 8 bits, of half and of all bits, for each quantile.
 void add_losses(std::vector<Event>& events, double precision, const std::vector<const Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
-    for (const metric::Statistic& s : metric::quantile_statistics) {
+    for (const metric::Statistic& statistic : metric::quantile_statistics) {
         for (const double bits : {1.0, 4.0, 8.0, precision / 2, precision}) {
             if (bits > precision) continue;
-            events.push_back({"lost_bits", std::string(s.name), bits, [lost_bits_index, s](const FormSummary& summary) {
-                                  return s.of(summary.metrics[lost_bits_index]);
+            events.push_back({"lost_bits", std::string(statistic.name), bits,
+                              [lost_bits_index, statistic](const FormSummary& summary) {
+                                  return statistic.of(summary.metrics[lost_bits_index]);
                               }});
         }
     }
@@ -61,15 +62,16 @@ void add_losses(std::vector<Event>& events, double precision, const std::vector<
 void add_step_losses(std::vector<Event>& events, const std::vector<const Metric*>& metrics) {
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (!measures_transform_step(*metrics[m])) continue;
-        events.push_back({std::string(metrics[m]->name), "p50", 1,
-                          [m](const FormSummary& s) { return metric::quantile_statistics.front().of(s.metrics[m]); }});
+        events.push_back({std::string(metrics[m]->name), "p50", 1, [m](const FormSummary& summary) {
+                              return metric::quantile_statistics.front().of(summary.metrics[m]);
+                          }});
     }
 }
 
 /// Adds each wrong decision, from one ray on.
 void add_wrong_decisions(std::vector<Event>& events) {
     for (const Outcome o : evaluate::wrong_decisions) {
-        events.push_back({std::string(answer::outcome_names[o]), "count", 1,
+        events.push_back({std::string(answer::outcome_names[static_cast<std::size_t>(o)]), "count", 1,
                           [o](const FormSummary& summary) { return static_cast<double>(summary.count(o)); }});
     }
 }
@@ -163,7 +165,7 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
     onset.bad_again = steps[good_index + 1]->values.front();
     narrow_bracket(
         request.sweep.axes.front(), onset.last_good_after, onset.bad_again, evaluator,
-        [&](const FormSummary& s) { return event.is_good(s); }, [](const FormSummary&) {});
+        [&](const FormSummary& summary) { return event.is_good(summary); }, [](const FormSummary&) {});
 }
 
 Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t form_index, const Event& event,
@@ -190,8 +192,8 @@ Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::siz
     onset.last_good = (*std::prev(first_bad_step))->values.front();
     narrow_bracket(
         request.sweep.axes.front(), onset.last_good, onset.first_bad, evaluator,
-        [&](const FormSummary& s) { return !event.happens(s); },
-        [&](const FormSummary& s) { onset.value_at_first_bad = event.value(s); });
+        [&](const FormSummary& summary) { return !event.happens(summary); },
+        [&](const FormSummary& summary) { onset.value_at_first_bad = event.value(summary); });
     return onset;
 }
 
@@ -331,16 +333,16 @@ std::vector<std::vector<FormSummary>> run_cases(const CaseRequest& request) {
     return cases;
 }
 
-Verdict verdict_of(const FormSummary& s, const std::vector<const metric::Metric*>& metrics, double max_bits) {
-    if (s.count(Outcome::unresolved) > 0) return Verdict::unresolved;
-    if (const auto wrong = s.most_frequent_wrong_decision()) {
+Verdict verdict_of(const FormSummary& summary, const std::vector<const metric::Metric*>& metrics, double max_bits) {
+    if (summary.count(Outcome::unresolved) > 0) return Verdict::unresolved;
+    if (const auto wrong = summary.most_frequent_wrong_decision()) {
         return *wrong == Outcome::not_a_number ? Verdict::not_a_number
                : *wrong == Outcome::false_miss ? Verdict::false_miss
                : *wrong == Outcome::false_hit  ? Verdict::false_hit
                                                : Verdict::wrong_primitive;
     }
     // The quantile is NaN if there is no hit on which form and truth agree. Nothing is lost then.
-    const auto largest = [&](const char* name) { return s.metrics[metric::index_of(metrics, name)].quantile(1); };
+    const auto largest = [&](const char* name) { return summary.metrics[metric::index_of(metrics, name)].quantile(1); };
     if (largest("excess_bits") > max_bits) return Verdict::wrong_value;
     return largest("lost_bits") > max_bits ? Verdict::within_inputs : Verdict::right;
 }

@@ -23,8 +23,8 @@ namespace {
 constexpr int batch_size = 32;  // candidates that are measured together
 
 /// Number of the format that comes `steps` numbers after x.
-double move_by_steps(double x, std::int64_t steps, const FloatFormat& f) {
-    return truth::number_at(truth::ordinal(x, f) + steps, f);
+double move_by_steps(double x, std::int64_t steps, const FloatFormat& format) {
+    return truth::number_at(truth::ordinal(x, format) + steps, format);
 }
 
 /// Ray and primitive as one list of numbers, in the order of the ranges of the search.

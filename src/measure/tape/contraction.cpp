@@ -73,9 +73,7 @@ private:
     static const T& at(const std::vector<T>& values, NodeId i) {
         return values[i];
     }
-    [[nodiscard]] NodeId first_equal(NodeId i) const {
-        return i == no_node ? no_node : first_equal_[i];
-    }
+    [[nodiscard]] NodeId first_equal(NodeId i) const { return i == no_node ? no_node : first_equal_[i]; }
     [[nodiscard]] bool is_answer(NodeId i) const {
         const auto [hit, t, near, far] = source_.outputs;
         return std::ranges::any_of(std::array{hit, t, near, far}, [&](NodeId out) { return first_equal(out) == i; });
@@ -173,9 +171,7 @@ private:
         removed_nodes_.insert(negatives.begin(), negatives.end());
     }
 
-    [[nodiscard]] NodeId new_node(NodeId i) const {
-        return i == no_node ? no_node : new_nodes_[first_equal(i)];
-    }
+    [[nodiscard]] NodeId new_node(NodeId i) const { return i == no_node ? no_node : new_nodes_[first_equal(i)]; }
 
     NodeId copy_node(NodeId i) {
         const TapeNode& n = source_[i];

@@ -100,8 +100,7 @@ Answer compute_answer(const CandidateProgram& candidate, const RandomRays<float>
                 value = std::nextafter(static_cast<float>(value), candidate.ulps > 0 ? INFINITY : -INFINITY);
         values[i] = value;
     }
-    return {values[tape.outputs.hit] != 0,
-            static_cast<float>(values[tape.outputs.t])};
+    return {values[tape.outputs.hit] != 0, static_cast<float>(values[tape.outputs.t])};
 }
 
 class Search {

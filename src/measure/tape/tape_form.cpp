@@ -33,9 +33,7 @@ public:
     }
 
 private:
-    [[nodiscard]] NodeId new_node(NodeId i) const {
-        return i == no_node ? no_node : new_nodes_[i];
-    }
+    [[nodiscard]] NodeId new_node(NodeId i) const { return i == no_node ? no_node : new_nodes_[i]; }
 
     /// Returns the new node with the result of node i in `format`, converted if necessary.
     NodeId convert_to(NodeId i, const FloatFormat& format) {
@@ -50,9 +48,9 @@ private:
     }
 
     /// The widest format of the operands that are numbers.
-    [[nodiscard]] FloatFormat widest_operand_format(const TapeNode& n) const {
+    [[nodiscard]] FloatFormat widest_operand_format(const TapeNode& node) const {
         FloatFormat widest_format{};
-        for (const NodeId operand : n.operands) {
+        for (const NodeId operand : node.operands) {
             if (operand == no_node || is_decision(source_[operand].op)) continue;
             const FloatFormat& f = result_.format_of(new_node(operand));
             if (f.precision > widest_format.precision) widest_format = f;
@@ -66,10 +64,9 @@ private:
         if (is_given(n.op)) return append_node(n, source_format, n.operands);
         if (n.op == TapeOp::convert) return convert_to(n.operands[0], source_format);
         const bool is_logic = kind_of(n.op) == OperationKind::logic;
-        const FloatFormat format = kind_of(n.op) == OperationKind::rounded
-                                       ? is_wide_[i] ? wide_format_ : source_format
-                                   : is_logic ? source_format
-                                              : widest_operand_format(n);
+        const FloatFormat format = kind_of(n.op) == OperationKind::rounded ? is_wide_[i] ? wide_format_ : source_format
+                                   : is_logic                              ? source_format
+                                                                           : widest_operand_format(n);
         std::array<NodeId, 3> operands{no_node, no_node, no_node};
         for (std::size_t k = 0; k < 3; ++k) {
             const NodeId operand = n.operands[k];

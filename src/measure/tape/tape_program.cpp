@@ -94,7 +94,7 @@ namespace {
 class ColumnPool {
 public:
     std::uint16_t acquire(NodeArithmetic arithmetic) {
-        auto& free = free_[arithmetic];
+        auto& free = free_[static_cast<std::size_t>(arithmetic)];
         if (!free.empty()) {
             const std::uint16_t column = free.back();
             free.pop_back();
@@ -106,7 +106,7 @@ public:
         return column;
     }
     void release(NodeArithmetic arithmetic, std::uint16_t column) {
-        free_[arithmetic].push_back(column);
+        free_[static_cast<std::size_t>(arithmetic)].push_back(column);
     }
     std::array<std::uint16_t, 3> counts{};
 
@@ -168,8 +168,7 @@ TapeProgram::TapeProgram(const Tape& tape) {
             const NodeId operand = node.operands[k];
             const bool is_repeated =
                 std::find(node.operands.begin(), node.operands.begin() + k, operand) != node.operands.begin() + k;
-            if (operand != no_node && !is_repeated && !is_given(tape[operand].op) &&
-                last_use[operand] == i)
+            if (operand != no_node && !is_repeated && !is_given(tape[operand].op) && last_use[operand] == i)
                 pool.release(node_arithmetic(operand), column_of(operand));
         }
         step.out = column_of(i) = pool.acquire(step.arithmetic);

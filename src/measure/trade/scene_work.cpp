@@ -25,8 +25,7 @@ std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector
     std::map<int, std::size_t> hits;
     for (std::size_t i = 0; i < band.pixels(); ++i) {
         const truth::Truth truth = band.truth(i, {});
-        if (truth.is_hit())
-            ++hits[first_equal.empty() ? truth.primitive : first_equal[truth.primitive]];
+        if (truth.is_hit()) ++hits[first_equal.empty() ? truth.primitive : first_equal[truth.primitive]];
     }
     return hits;
 }

@@ -194,9 +194,7 @@ std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
         isa ? row_of(intersect::simd::all_packed_kernels(*isa), k.form_name) : nullptr;
     if (!row) return std::nullopt;
     const bool warms_up = fits_in_cache(bytes_);
-    const Shape shape =
-        intersect::table::catalogue()[row - intersect::simd::all_packed_kernels(*isa).data()]
-            .shape;
+    const Shape shape = intersect::table::catalogue()[row - intersect::simd::all_packed_kernels(*isa).data()].shape;
     if (row->f32 && k.format_name == "f32") return packed_work(f32(shape), row->f32, warms_up);
     if (row->f64 && k.format_name == "f64") return packed_work(f64(shape), row->f64, warms_up);
     return std::nullopt;

@@ -162,7 +162,7 @@ private:
     using Stores = std::array<LazyObject<RayStore<S>>, shape_names.size()>;
     template <class S>
     const std::shared_ptr<RayStore<S>>& store(Stores<S>& stores, Shape shape) {
-        return stores[shape](ray_pool(shape), bytes_, 0.5, std::size_t{0}, std::uint64_t{1});
+        return stores[static_cast<std::size_t>(shape)](ray_pool(shape), bytes_, 0.5, std::size_t{0}, std::uint64_t{1});
     }
 
     std::size_t bytes_;

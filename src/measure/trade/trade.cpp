@@ -35,8 +35,8 @@ TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warms_up) {
 void time_on_scene(const TradeRequest& request, TradeResult& result) {
     SceneWork scene_work(*request.scene, request.limit);
     std::vector<TimedWork> work;
-    for (const TradeKernel& k : request.kernels)
-        work.push_back(scene_work.work_for(k.measured, {k.measured.form->info, k.f32, k.f64}));
+    for (const TradeKernel& kernel : request.kernels)
+        work.push_back(scene_work.work_for(kernel.measured, {kernel.measured.form->info, kernel.f32, kernel.f64}));
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t k = 0; k < timings.size(); ++k)
         result.times.push_back({{timings[k], scene_work.bytes(request.kernels[k].measured.format), scene_work.rays(),
@@ -46,8 +46,10 @@ void time_on_scene(const TradeRequest& request, TradeResult& result) {
 /// Makes the arrays of each load, in the formats of the kernels.
 std::vector<Stores> make_stores(const TradeRequest& request) {
     const RayPool pool = ray_pool(request.shape);
-    const bool has_f32 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f32 != nullptr; });
-    const bool has_f64 = std::ranges::any_of(request.kernels, [](const TradeKernel& k) { return k.f64 != nullptr; });
+    const bool has_f32 =
+        std::ranges::any_of(request.kernels, [](const TradeKernel& kernel) { return kernel.f32 != nullptr; });
+    const bool has_f64 =
+        std::ranges::any_of(request.kernels, [](const TradeKernel& kernel) { return kernel.f64 != nullptr; });
     std::vector<Stores> stores;
     for (const TradeLoad& load : request.loads) {
         const std::size_t rays_per_run = load.working_set == "memory" ? rays_per_run_in_memory : 0;
@@ -88,12 +90,12 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
 /// Measures the accuracy of each row once, for all its kernels.
 void measure_accuracy(const TradeRequest& request, TradeResult& result) {
     std::vector<TestedForm> tested_forms;
-    for (const TradeKernel& k : request.kernels) {
-        const auto found = std::ranges::find_if(tested_forms, [&k](const TestedForm& r) {
-            return r.form == k.measured.form && r.format == k.measured.format;
+    for (const TradeKernel& kernel : request.kernels) {
+        const auto found = std::ranges::find_if(tested_forms, [&kernel](const TestedForm& tested_form) {
+            return tested_form.form == kernel.measured.form && tested_form.format == kernel.measured.format;
         });
         result.form_indices.push_back(static_cast<std::size_t>(found - tested_forms.begin()));
-        if (found == tested_forms.end()) tested_forms.push_back(k.measured);
+        if (found == tested_forms.end()) tested_forms.push_back(kernel.measured);
     }
     if (request.scene) {
         const evaluate::MapStudy study{
@@ -115,8 +117,8 @@ void count_operations(const TradeRequest& request, TradeResult& result) {
     };
     const Primitive<float> primitive = lift_primitive<float>(pool.primitive);
     const Ray<float> ray{to_float(hit.origin), to_float(hit.direction)};
-    for (const TradeKernel& k : request.kernels) {
-        const auto& count = k.measured.form->count;
+    for (const TradeKernel& kernel : request.kernels) {
+        const auto& count = kernel.measured.form->count;
         result.operations.push_back(
             count ? count(ray, intersect::Target<float>(primitive), std::numeric_limits<float>::infinity())
                   : OperationCounts{});

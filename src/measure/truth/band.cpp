@@ -43,8 +43,8 @@ bool fits_binary32(const scene::rays::RayGroup& group, const PrimitiveList<doubl
 }
 
 /// True if the format holds every double.
-bool holds_binary64(const FloatFormat& f) {
-    return f.precision >= binary64.precision && f.emin <= binary64.emin && f.emax >= binary64.emax;
+bool holds_binary64(const FloatFormat& format) {
+    return format.precision >= binary64.precision && format.emin <= binary64.emin && format.emax >= binary64.emax;
 }
 
 /// Rays with directions of length one in the format; the ends of their ranges become distances.
@@ -353,8 +353,7 @@ std::shared_ptr<const scene::rays::RayGroup> Band::original_group(std::size_t i,
     if (scene_ != nullptr || ideal_ || count > max_original_primitives) return nullptr;
     auto group = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
     group->rays.push_range(shared_, i);
-    for (const int primitive : primitives)
-        group->primitives.push_back(shared_primitives_[primitive]);
+    for (const int primitive : primitives) group->primitives.push_back(shared_primitives_[primitive]);
     if (!primitives.empty()) return group;
     group->primitives = shared_primitives_.all();
     group->march = shared_march_;

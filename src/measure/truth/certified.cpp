@@ -159,25 +159,26 @@ std::optional<double> round_certified(const CertifiedNumber& x, const FloatForma
     return std::nullopt;
 }
 
-std::int64_t ordinal(double x, const FloatFormat& f) {
+std::int64_t ordinal(double x, const FloatFormat& format) {
     const double magnitude = std::fabs(x);
-    const std::int64_t numbers_per_binade = std::int64_t{1} << (f.precision - 1);
+    const std::int64_t numbers_per_binade = std::int64_t{1} << (format.precision - 1);
     std::int64_t n = 0;
     if (std::isinf(magnitude)) {
-        n = numbers_per_binade * (f.emax - f.emin + 2);
+        n = numbers_per_binade * (format.emax - format.emin + 2);
     } else if (magnitude != 0) {
-        const int e = std::max(std::ilogb(magnitude), f.emin);
-        n = numbers_per_binade * (e - f.emin) + static_cast<std::int64_t>(std::ldexp(magnitude, f.precision - 1 - e));
+        const int e = std::max(std::ilogb(magnitude), format.emin);
+        n = numbers_per_binade * (e - format.emin) +
+            static_cast<std::int64_t>(std::ldexp(magnitude, format.precision - 1 - e));
     }
     return x < 0 ? -n : n;
 }
 
-double number_at(std::int64_t n, const FloatFormat& f) {
-    const std::int64_t numbers_per_binade = std::int64_t{1} << (f.precision - 1);
+double number_at(std::int64_t n, const FloatFormat& format) {
+    const std::int64_t numbers_per_binade = std::int64_t{1} << (format.precision - 1);
     const std::int64_t magnitude = std::abs(n), e = magnitude / numbers_per_binade, m = magnitude % numbers_per_binade;
-    const double y =
-        e == 0 ? std::ldexp(static_cast<double>(m), f.emin - f.precision + 1)
-               : std::ldexp(static_cast<double>(numbers_per_binade + m), f.emin + static_cast<int>(e) - f.precision);
+    const double y = e == 0 ? std::ldexp(static_cast<double>(m), format.emin - format.precision + 1)
+                            : std::ldexp(static_cast<double>(numbers_per_binade + m),
+                                         format.emin + static_cast<int>(e) - format.precision);
     return n < 0 ? -y : y;
 }
 

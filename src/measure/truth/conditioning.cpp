@@ -251,7 +251,7 @@ double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention con
 double Band::reach(std::size_t i, Convention convention, intersect::Direction direction, const FormatInputs& inputs,
                    Perturbed perturbed) const {
     const Length length = length_of(direction);
-    const auto& closed_reaches = inputs.reach[perturbed][length];
+    const auto& closed_reaches = inputs.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
     const bool has_closed_reach = !closed_reaches.empty() && !may_differ(i, convention);
     return has_closed_reach
                ? closed_reaches[i]

@@ -57,18 +57,19 @@ EnclosedHit<E> enclose_begin(const E& d2, const SpanRange<E>* range, bool touchi
 
 /// Hit at one of the roots.
 template <class E>
-EnclosedHit<E> enclose_root(const QuadraticSpan<E>& s, Crossing root, bool touching = false, bool on_surface = false) {
-    const E square_root = sqrt(s.q);
-    const bool is_h_positive = (s.h > E(0)).is_yes();
-    const E sum = is_h_positive ? square_root + s.h : square_root - s.h;
-    const E t =
-        root == Crossing::near ? (is_h_positive ? -sum / s.a : s.c / sum) : (is_h_positive ? -s.c / sum : sum / s.a);
-    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, root};
+EnclosedHit<E> enclose_root(const QuadraticSpan<E>& span, Crossing root, bool touching = false,
+                            bool on_surface = false) {
+    const E square_root = sqrt(span.q);
+    const bool is_h_positive = (span.h > E(0)).is_yes();
+    const E sum = is_h_positive ? square_root + span.h : square_root - span.h;
+    const E t = root == Crossing::near ? (is_h_positive ? -sum / span.a : span.c / sum)
+                                       : (is_h_positive ? -span.c / sum : sum / span.a);
+    return {Tri::yes, t, t * sqrt(span.d2), touching, on_surface, root};
 }
 
 /// Answer of a convention for a ray that begins on the surface, where q = h².
 template <class E>
-EnclosedHit<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri leaving, const SpanRange<E>* range,
+EnclosedHit<E> enclose_from_surface(const QuadraticSpan<E>& span, const E& h, Tri leaving, const SpanRange<E>* range,
                                     intersect::Convention convention) {
     const E zero(0);
     const Tri crosses = h > zero || h < zero;
@@ -81,11 +82,11 @@ EnclosedHit<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri l
                               (convention.at_origin == intersect::AtOrigin::exit && leaving.is_yes());
     if (start_counts && !(ignores_exits && leaving.is_yes())) {
         // A root that is not 0 also needs a gradient.
-        if ((begin_of(range) <= zero).is_yes()) return enclose_begin(s.d2, range, touching, true);
-        return enclose_root(s, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
+        if ((begin_of(range) <= zero).is_yes()) return enclose_begin(span.d2, range, touching, true);
+        return enclose_root(span, leaving.is_yes() ? Crossing::far : Crossing::near, touching, true);
     }
     if (ignores_exits || leaving.is_yes()) return {.hit = Tri::no, .touching = touching, .on_surface = true};
-    return enclose_root(s, Crossing::far, false, true);  // not −2h/a, which has another gradient
+    return enclose_root(span, Crossing::far, false, true);  // not −2h/a, which has another gradient
 }
 
 /// First hit of a quadratic surface by a ray without an end. At the start of the ray, the sign of c = P(t) tells
@@ -95,7 +96,7 @@ EnclosedHit<E> enclose_from_surface(const QuadraticSpan<E>& s, const E& h, Tri l
 /// start of the ray. It is the answer if it counts; otherwise the answer is the other root if that lies ahead. From
 /// inside (c < 0), the convention defines t.
 template <class E>
-EnclosedHit<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& start, const SpanRange<E>* range,
+EnclosedHit<E> enclose_ahead(const QuadraticSpan<E>& span, const QuadraticAt<E>& start, const SpanRange<E>* range,
                              intersect::Convention convention) {
     const auto& [c, h] = start;
     const E zero(0);
@@ -103,29 +104,29 @@ EnclosedHit<E> enclose_ahead(const QuadraticSpan<E>& s, const QuadraticAt<E>& st
     const Tri leaving = h >= zero;
     if ((outside && leaving).is_yes()) return {Tri::no};
 
-    const Tri hit = !outside || (!leaving && !(s.q < zero));
+    const Tri hit = !outside || (!leaving && !(span.q < zero));
     if (hit.is_no()) return {hit};
     if (hit.is_unknown() || outside.is_unknown()) return {Tri::unknown};
-    if ((c >= zero).is_yes() && outside.is_no()) return enclose_from_surface(s, h, leaving, range, convention);
+    if ((c >= zero).is_yes() && outside.is_no()) return enclose_from_surface(span, h, leaving, range, convention);
     const bool inside_returns_zero = convention.inside == intersect::Inside::zero;
     if (outside.is_no() && (inside_returns_zero || convention.inside == intersect::Inside::miss)) {
         if (!(c < zero).is_yes()) return {Tri::unknown};
-        return inside_returns_zero ? enclose_begin(s.d2, range) : EnclosedHit<E>{Tri::no};
+        return inside_returns_zero ? enclose_begin(span.d2, range) : EnclosedHit<E>{Tri::no};
     }
-    const Tri crosses = outside.is_no() ? Tri::yes : s.q > zero;
+    const Tri crosses = outside.is_no() ? Tri::yes : span.q > zero;
     if (crosses.is_unknown()) return {Tri::unknown};
-    return enclose_root(s, outside.is_yes() ? Crossing::near : Crossing::far, crosses.is_no());
+    return enclose_root(span, outside.is_yes() ? Crossing::near : Crossing::far, crosses.is_no());
 }
 
 /// First hit of a quadratic surface by a ray with a range (null: everything ahead): the root that a ray from tmin
 /// meets, if that root comes no later than tmax.
 template <class E>
-EnclosedHit<E> enclose(const QuadraticSpan<E>& s, const SpanRange<E>* range = nullptr,
+EnclosedHit<E> enclose(const QuadraticSpan<E>& span, const SpanRange<E>* range = nullptr,
                        intersect::Convention convention = {}) {
-    if (!range) return enclose_ahead<E>(s, {s.c, s.h}, range, convention);
-    EnclosedHit<E> found = enclose_ahead(s, quadratic_at(s, range->begin), range, convention);
+    if (!range) return enclose_ahead<E>(span, {span.c, span.h}, range, convention);
+    EnclosedHit<E> found = enclose_ahead(span, quadratic_at(span, range->begin), range, convention);
     if (!found.hit.is_yes()) return found;
-    const QuadraticAt<E> end = quadratic_at(s, range->end);
+    const QuadraticAt<E> end = quadratic_at(span, range->end);
     const Order<Tri> entry = end.order_of_near_root();
     if (found.crossing != Crossing::begin)
         found.hit = is_before_range_end(found.crossing == Crossing::near ? entry : end.order_of_far_root(), *range);
@@ -209,20 +210,20 @@ EnclosedHit<E> enclose(const SlabSpan<E>& slabs, const SpanRange<E>* range, inte
 
 /// Hit at one of the crossings of a surface, by its index.
 template <class E>
-EnclosedHit<E> enclose_crossing(const FlatSpan<E>& s, int, bool touching, bool on_surface) {
-    const E t = s.at.n / s.at.m;
-    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, Crossing::near};
+EnclosedHit<E> enclose_crossing(const FlatSpan<E>& span, int, bool touching, bool on_surface) {
+    const E t = span.at.n / span.at.m;
+    return {Tri::yes, t, t * sqrt(span.d2), touching, on_surface, Crossing::near};
 }
 template <class E>
-EnclosedHit<E> enclose_crossing(const WallSpan<E>& s, int i, bool touching, bool on_surface) {
-    return enclose_root(s.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
+EnclosedHit<E> enclose_crossing(const WallSpan<E>& span, int i, bool touching, bool on_surface) {
+    return enclose_root(span.primitive.side, i == 0 ? Crossing::near : Crossing::far, touching, on_surface);
 }
 
 /// True if the ray meets the surface from a side that counts.
 template <class E>
-Tri faces(const FlatSpan<E>& s, intersect::Facing facing) {
+Tri faces(const FlatSpan<E>& span, intersect::Facing facing) {
     if (facing == intersect::Facing::both) return Tri::yes;
-    return facing == intersect::Facing::front ? Tri(s.is_front) : !Tri(s.is_front);
+    return facing == intersect::Facing::front ? Tri(span.is_front) : !Tri(span.is_front);
 }
 template <class E>
 Tri faces(const WallSpan<E>&, intersect::Facing) {
@@ -265,18 +266,18 @@ EnclosedHit<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convent
 
 /// Hit at the entry (`Crossing::near`) or exit of the line, through a cap or at a root.
 template <class E>
-EnclosedHit<E> enclose_crossing(const CappedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
+EnclosedHit<E> enclose_crossing(const CappedSpan<E>& span, Crossing crossing, bool touching, bool on_surface) {
     const bool is_entry = crossing == Crossing::near;
-    const Tri by_cap = is_entry ? s.enters_by_cap() : s.leaves_by_cap();
+    const Tri by_cap = is_entry ? span.enters_by_cap() : span.leaves_by_cap();
     if (by_cap.is_unknown()) return {Tri::unknown};
-    if (by_cap.is_no()) return enclose_root(s.side, crossing, touching, on_surface);
-    const Fraction<E>& cap = is_entry ? s.planes_entry : s.planes_exit;
+    if (by_cap.is_no()) return enclose_root(span.side, crossing, touching, on_surface);
+    const Fraction<E>& cap = is_entry ? span.planes_entry : span.planes_exit;
     const E t = cap.n / cap.m;
-    return {Tri::yes, t, t * sqrt(s.d2), touching, on_surface, crossing};
+    return {Tri::yes, t, t * sqrt(span.d2), touching, on_surface, crossing};
 }
 template <class E>
-EnclosedHit<E> enclose_crossing(const JoinedSpan<E>& s, Crossing crossing, bool touching, bool on_surface) {
-    return enclose_root(crossing == Crossing::near ? s.enter : s.leave, crossing, touching, on_surface);
+EnclosedHit<E> enclose_crossing(const JoinedSpan<E>& span, Crossing crossing, bool touching, bool on_surface) {
+    return enclose_root(crossing == Crossing::near ? span.enter : span.leave, crossing, touching, on_surface);
 }
 
 /// Answer of a convention for a ray that begins inside a primitive or on its surface.
@@ -332,7 +333,7 @@ EnclosedHit<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convent
 
 /// Defined in side.hpp.
 template <class E>
-EnclosedHit<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention);
+EnclosedHit<E> enclose(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention);
 
 /// Convention by which to enclose a span. If a span cannot be hit behind a touch, touching counts here, and the caller
 /// decides whether it is a hit.

@@ -72,7 +72,7 @@ struct BandNeeds {
     std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbed` and `Length`
 
     void add_reach(Perturbed perturbed, Length length) {
-        reach[perturbed][length] = true;
+        reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)] = true;
     }
 };
 

@@ -81,11 +81,13 @@ void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, 
     raw.two_words = !p.ray_low[0].empty();
     if (!raw.two_words) return;
     for (std::size_t k = 0; k < 6; ++k) use_column(p.ray_low[k], raw.ray_low[k], 0);
-    for (std::size_t k = 0; k < max_primitive_number_count; ++k) use_column(p.primitive_low[k], raw.primitive_low[k], 0);
+    for (std::size_t k = 0; k < max_primitive_number_count; ++k)
+        use_column(p.primitive_low[k], raw.primitive_low[k], 0);
 }
 /// Indices of the first columns of the ray, the primitive, the range and the second words.
-inline constexpr std::size_t first_ray_column = 0, first_primitive_column = 6, tmin_column = 6 + max_primitive_number_count,
-                             tmax_column = tmin_column + 1, first_low_column = tmax_column + 1,
+inline constexpr std::size_t first_ray_column = 0, first_primitive_column = 6,
+                             tmin_column = 6 + max_primitive_number_count, tmax_column = tmin_column + 1,
+                             first_low_column = tmax_column + 1,
                              max_columns = first_low_column + 6 + max_primitive_number_count;
 
 /// Findings of the stages on up to `batch_size` problems.
@@ -146,7 +148,8 @@ struct GatheredProblems {
         ProblemColumns<S> p{.size = size, .ray = {}, .shape = shape, .primitive = {}};
         const auto column = [this](std::size_t k) { return std::span(numbers[k]).first(size); };
         for (std::size_t k = 0; k < p.ray.size(); ++k) p.ray[k] = column(first_ray_column + k);
-        for (std::size_t k = 0; k < row_of(shape).number_count; ++k) p.primitive[k] = column(first_primitive_column + k);
+        for (std::size_t k = 0; k < row_of(shape).number_count; ++k)
+            p.primitive[k] = column(first_primitive_column + k);
         return p;
     }
     /// Added problems in whole registers, for rays without ranges; with `two_words`, also their second words.

@@ -71,20 +71,20 @@ struct ValueInterval {
 class ProblemNumbers {
 public:
     template <class S>
-    ProblemNumbers(const Ray<S>& r, const Primitive<S>& s, const FloatFormat& format, Perturbed perturbation,
+    ProblemNumbers(const Ray<S>& r, const Primitive<S>& primitive, const FloatFormat& format, Perturbed perturbation,
                    Length length)
-        : matrix_begin_(primitive_begin + row_of(s.shape).number_count),
-          count_(matrix_begin_ + (s.transform ? Affine<S>::numbers : 0)),
-          shape_(s.shape),
+        : matrix_begin_(primitive_begin + row_of(primitive.shape).number_count),
+          count_(matrix_begin_ + (primitive.transform ? Affine<S>::numbers : 0)),
+          shape_(primitive.shape),
           is_normwise_(perturbation == Perturbed::normwise),
           is_distance_(length == Length::distance) {
         const auto exact_number = [&](std::size_t i) {
             return i < direction_begin   ? r.origin[static_cast<int>(i)]
                    : i < primitive_begin ? r.direction[static_cast<int>(i - direction_begin)]
-                   : i < matrix_begin_   ? s.numbers[i - primitive_begin]
-                                         : s.transform->matrix[place_in_matrix(i - matrix_begin_)];
+                   : i < matrix_begin_   ? primitive.numbers[i - primitive_begin]
+                                         : primitive.transform->matrix[place_in_matrix(i - matrix_begin_)];
         };
-        if (s.transform) transform_ = convert_numbers(*s.transform, [](const S&) { return 0; });
+        if (primitive.transform) transform_ = convert_numbers(*primitive.transform, [](const S&) { return 0; });
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
             std::fill_n(&is_direction_[primitive_begin + k], key.count(), key.kind == Key::Kind::direction);
         });
@@ -194,8 +194,8 @@ private:
         if (i < matrix_begin_ + linear_part_size) return UnitKind::linear_part;
         return transform_->is_inverse ? UnitKind::object_length : UnitKind::length;
     }
-    [[nodiscard]] int& unit(UnitKind kind) { return units_[kind]; }
-    [[nodiscard]] int unit(UnitKind kind) const { return units_[kind]; }
+    [[nodiscard]] int& unit(UnitKind kind) { return units_[static_cast<std::size_t>(kind)]; }
+    [[nodiscard]] int unit(UnitKind kind) const { return units_[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] int unit_of(std::size_t i) const { return unit(unit_kind(i)); }
 
     /// Sets each unit to the exponent of the largest number that has it. Without a matrix, units near 1 are 1, and the

@@ -115,7 +115,8 @@ private:
         }
         ProblemColumns<double> columns = columns_for(shape);
         for (std::size_t k = 0; k < number_count; ++k) columns.primitive[k] = buffers[k];
-        for (std::size_t k = 0; two_words && k < number_count; ++k) columns.primitive_low[k] = buffers[number_count + k];
+        for (std::size_t k = 0; two_words && k < number_count; ++k)
+            columns.primitive_low[k] = buffers[number_count + k];
         test_columns(columns, true, [this](std::size_t i) { return static_cast<std::int32_t>(begin_ + i); });
     }
 
@@ -230,7 +231,7 @@ private:
         GatheredProblems<double>& target = gathered_problems(primitive.shape);
 
         // All gathered problems of a shape have one kind of matrix, so another kind settles those before.
-        stages::MatrixKind& matrix = matrices_[primitive.shape];
+        stages::MatrixKind& matrix = matrices_[static_cast<std::size_t>(primitive.shape)];
         if (const auto matrix_kind = matrix_kind_of(primitive); !(matrix_kind == matrix)) {
             settle(primitive.shape);
             matrix = matrix_kind;
@@ -264,7 +265,7 @@ private:
         return GatheredProblems<double>::for_thread(shape);
     }
     std::array<std::size_t, batch_size>& pair_indices(Shape shape) {
-        return pair_indices_[shape];
+        return pair_indices_[static_cast<std::size_t>(shape)];
     }
 
     /// Settles the gathered pairs of one shape, and empties their buffer.
@@ -294,14 +295,14 @@ private:
         auto raw = problems.added_problems(stages.lanes, two_words);
         raw.open_ends = problems_.rays.open_ends;
         raw.has_ranges = has_ranges_;
-        raw.matrix = matrices_[shape];
+        raw.matrix = matrices_[static_cast<std::size_t>(shape)];
         stages.double_double(raw);
         store_findings(problems.findings, shape, open_pairs, [&open_pairs](std::size_t k) { return open_pairs[k]; });
     }
     /// Settles pairs in which a ray may touch its primitive or start on it, if the stages have such code for the shape.
     void settle_ties(Shape shape, std::vector<std::size_t>& open_pairs) {
         const stages::Stages stages = stages::stages_of(shape, isa_);
-        const bool are_plain = !two_words && !has_ranges_ && !matrices_[shape].exists;
+        const bool are_plain = !two_words && !has_ranges_ && !matrices_[static_cast<std::size_t>(shape)].exists;
         if (open_pairs.empty() || !stages.ties || !are_plain) return;
         GatheredProblems<double>& ties = GatheredProblems<double>::for_thread();
         stages.ties(ties.gather(gathered_problems(shape).columns(shape), open_pairs, stages.lanes));

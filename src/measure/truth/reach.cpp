@@ -24,11 +24,11 @@ struct LocalQuadratic {
     double least, most;
     double parabola_ratio = 1;  ///< √(most/least) if P'' may change on the way
 
-    LocalQuadratic(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& s)
-        : B(problem.bound_at_root(s.c)),
-          slope(s.h.value()),
-          least(ValueInterval(s.a.value()).min_magnitude()),
-          most(ValueInterval(s.a.value()).largest_magnitude()) {}
+    LocalQuadratic(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& span)
+        : B(problem.bound_at_root(span.c)),
+          slope(span.h.value()),
+          least(ValueInterval(span.a.value()).min_magnitude()),
+          most(ValueInterval(span.a.value()).largest_magnitude()) {}
 };
 
 /// Bound on |δ|, δ = t' − t. The ray begins at t here, so that all numbers are of the size of the primitive, however
@@ -57,27 +57,27 @@ double bound_root(const LocalQuadratic& local) {
     return std::sqrt(local.B / local.least) * local.parabola_ratio + 2 * std::max(0.0, -sigma) / local.least;
 }
 
-double bound_root(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& s) {
-    return bound_root(LocalQuadratic(problem, s));
+double bound_root(const PerturbedProblem& problem, const QuadraticSpan<DualNumber>& span) {
+    return bound_root(LocalQuadratic(problem, span));
 }
 
 /// Bound on |δ|. δ = t' − t is a root of f'(b' + a' δ) = Σ cₖ δᵏ with |c₀| ≤ B. If |cₖ| ρᵏ > Σ |cⱼ| ρʲ over all other
 /// j, the circle |δ| = ρ encloses k roots, whatever the errors are (Rouché), and t' is one of them. To first order,
 /// this is B/|f'| for k = 1. For k = 2 it is the bound that holds at a tangent, a square root of the errors; and so on
 /// for larger k.
-double bound_root(const PerturbedProblem& problem, const QuarticSpan<DualNumber>& s) {
-    const double B = problem.bound_at_root(s.f.at(s.b));
+double bound_root(const PerturbedProblem& problem, const QuarticSpan<DualNumber>& span) {
+    const double B = problem.bound_at_root(span.f.at(span.b));
     if (B == 0) return 0;
 
     // Bounds of |cₖ| = |aᵏ f⁽ᵏ⁾(b)|/k!
     std::array<double, 5> most{B}, least{};
-    Polynomial<DualNumber> f = s.f;
-    DualNumber power = s.a;
+    Polynomial<DualNumber> f = span.f;
+    DualNumber power = span.a;
     for (int k = 1, factorial = 1; k <= 4; ++k) {
         f = f.derivative();
         factorial *= k;
-        const auto c = (power * f.at(s.b) / DualNumber(factorial)).value();
-        power = power * s.a;
+        const auto c = (power * f.at(span.b) / DualNumber(factorial)).value();
+        power = power * span.a;
         most[k] = std::fabs(c.value()) + c.error() * rounding_factor;
         least[k] = std::fabs(c.value()) * (1 - 0x1p-40) - c.error() * rounding_factor;
     }
@@ -113,21 +113,21 @@ double bound_quotient(const PerturbedProblem& problem, const DualNumber& n, cons
     return least > 0 ? B / least : unbounded;
 }
 
-double bound_root(const PerturbedProblem& problem, const FlatSpan<DualNumber>& s) {
-    return bound_quotient(problem, s.at.n, s.at.m);
+double bound_root(const PerturbedProblem& problem, const FlatSpan<DualNumber>& span) {
+    return bound_quotient(problem, span.at.n, span.at.m);
 }
 
-double bound_root(const PerturbedProblem& problem, const WallSpan<DualNumber>& s) {
-    return bound_root(problem, s.primitive.side);
+double bound_root(const PerturbedProblem& problem, const WallSpan<DualNumber>& span) {
+    return bound_root(problem, span.primitive.side);
 }
 
 /// Bound on |t' − t| for slabs. t lies on one of their planes, and moves at most as far as any plane that can come to
 /// this point of the line. If the line does not cross a slab, the quotients of its planes are 1/0, which no error
 /// moves.
-[[maybe_unused]] double bound_root(const PerturbedProblem& problem, const SlabSpan<DualNumber>& s) {
+[[maybe_unused]] double bound_root(const PerturbedProblem& problem, const SlabSpan<DualNumber>& span) {
     double most = 0;
-    for (std::size_t i = 0; i < s.entry.size(); ++i)
-        for (const auto& plane : {s.entry[i], s.exit[i]})
+    for (std::size_t i = 0; i < span.entry.size(); ++i)
+        for (const auto& plane : {span.entry[i], span.exit[i]})
             most = std::max(most, bound_quotient(problem, plane.n, plane.m));
     return most;
 }
@@ -181,8 +181,7 @@ double bound_between_corners(const PerturbedProblem& problem, const Shape& s, co
     const AlongSlabs along = along_slabs(problem);
     double most = 0;
     for (int i = 0; i < 3; ++i) {
-        const Slab slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i],
-                        along[i]};
+        const Slab slab{ray.origin[i] - s.lo[i], s.hi[i] - ray.origin[i], ray.direction[i], along[i]};
         most = std::max(most, slab.bound_movement(problem, answer_faces));
     }
     return most;

@@ -59,20 +59,22 @@ std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& 
 /// d2 h/√d2. If a < 0 (a line steeper than a cone), the line enters at the larger root, where P falls: it is the far
 /// root of −P.
 template <class E>
-std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing root, const E& m, Length length) {
-    const auto sign_of_a = sign<E>(s.a);
+std::optional<int> side_of_root(const QuadraticSpan<E>& span, Crossing root, const E& m, Length length) {
+    const auto sign_of_a = sign<E>(span.a);
     if (!sign_of_a) return std::nullopt;
     if (*sign_of_a < 0)
-        return side_of_root<E>({-s.h, -s.c, -s.a, s.q, s.d2}, root == Crossing::near ? Crossing::far : Crossing::near,
-                               m, length);
+        return side_of_root<E>({-span.h, -span.c, -span.a, span.q, span.d2},
+                               root == Crossing::near ? Crossing::far : Crossing::near, m, length);
     const bool is_parameter = length == Length::parameter;
-    const auto sign_of_p = is_parameter ? sign<E>((s.a * m + s.h + s.h) * m + s.c)
-                                        : sign_of_sum<E>(s.a * square(m) + s.d2 * s.c, (s.h + s.h) * m * s.d2, s.d2);
+    const auto sign_of_p =
+        is_parameter ? sign<E>((span.a * m + span.h + span.h) * m + span.c)
+                     : sign_of_sum<E>(span.a * square(m) + span.d2 * span.c, (span.h + span.h) * m * span.d2, span.d2);
     if (!sign_of_p) return std::nullopt;
     if (*sign_of_p < 0) return root == Crossing::near ? -1 : 1;
     // Here P(m) ≥ 0, so m lies at a root or outside both. If m is before the middle of the roots, it is below the far
     // root; if m is after the middle, it is above the near root.
-    const auto past_middle = is_parameter ? sign<E>(s.a * m + s.h) : sign_of_sum<E>(s.a * m, s.d2 * s.h, s.d2);
+    const auto past_middle =
+        is_parameter ? sign<E>(span.a * m + span.h) : sign_of_sum<E>(span.a * m, span.d2 * span.h, span.d2);
     if (!past_middle) return std::nullopt;
     if (root == Crossing::near) return *past_middle > 0 ? -1 : *sign_of_p;
     return *past_middle < 0 ? 1 : -*sign_of_p;
@@ -81,42 +83,42 @@ std::optional<int> side_of_root(const QuadraticSpan<E>& s, Crossing root, const 
 /// Order of the hit of a quadratic surface relative to m > 0, for a ray that hits. Without a range, a ray from outside
 /// hits at the near root. A ray from inside hits at the far root, and its near root lies before every m > 0.
 template <class E>
-std::optional<int> side_of(const QuadraticSpan<E>& s, const E& m, Length length, const SpanRange<E>* range,
+std::optional<int> side_of(const QuadraticSpan<E>& span, const E& m, Length length, const SpanRange<E>* range,
                            intersect::Convention convention) {
     Crossing crossing = Crossing::far;
     if (range) {
-        const EnclosedHit<E> found = enclose(s, range, convention);
+        const EnclosedHit<E> found = enclose(span, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
         crossing = found.crossing;
     } else {
-        const auto sign_of_c = sign(s.c);
+        const auto sign_of_c = sign(span.c);
         if (!sign_of_c) return std::nullopt;
         if (*sign_of_c > 0) crossing = Crossing::near;
     }
-    if (crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
-    return side_of_root(s, crossing, m, length);
+    if (crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, span.d2, m, length);
+    return side_of_root(span, crossing, m, length);
 }
 
 /// Order of the point where the line enters (`Crossing::near`) or leaves, relative to m > 0.
 template <class E>
-std::optional<int> side_at(const CappedSpan<E>& s, Crossing crossing, const E& m, Length length) {
+std::optional<int> side_at(const CappedSpan<E>& span, Crossing crossing, const E& m, Length length) {
     const bool is_entry = crossing == Crossing::near;
-    if ((is_entry ? s.enters_by_cap() : s.leaves_by_cap()).is_yes())
-        return side_of_fraction(is_entry ? s.planes_entry : s.planes_exit, s.d2, m, length);
-    return side_of_root(s.side, crossing, m, length);
+    if ((is_entry ? span.enters_by_cap() : span.leaves_by_cap()).is_yes())
+        return side_of_fraction(is_entry ? span.planes_entry : span.planes_exit, span.d2, m, length);
+    return side_of_root(span.side, crossing, m, length);
 }
 template <class E>
-std::optional<int> side_at(const JoinedSpan<E>& s, Crossing crossing, const E& m, Length length) {
-    return side_of_root(crossing == Crossing::near ? s.enter : s.leave, crossing, m, length);
+std::optional<int> side_at(const JoinedSpan<E>& span, Crossing crossing, const E& m, Length length) {
+    return side_of_root(crossing == Crossing::near ? span.enter : span.leave, crossing, m, length);
 }
 
 template <class E>
-std::optional<int> side_at(const FlatSpan<E>& s, Crossing, const E& m, Length length) {
-    return side_of_fraction(s.at, s.d2, m, length);
+std::optional<int> side_at(const FlatSpan<E>& span, Crossing, const E& m, Length length) {
+    return side_of_fraction(span.at, span.d2, m, length);
 }
 template <class E>
-std::optional<int> side_at(const WallSpan<E>& s, Crossing crossing, const E& m, Length length) {
-    return side_of_root(s.primitive.side, crossing, m, length);
+std::optional<int> side_at(const WallSpan<E>& span, Crossing crossing, const E& m, Length length) {
+    return side_of_root(span.primitive.side, crossing, m, length);
 }
 
 /// Order of the hit relative to m > 0, for a ray that hits.
@@ -133,17 +135,17 @@ requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(c
 /// Order of t* relative to m > 0, for a ray that hits. t* is the start of the range, the first entry, or the first exit
 /// if that is the answer from inside.
 template <class E>
-std::optional<int> side_of(const SlabSpan<E>& s, const E& m, Length length, const SpanRange<E>* range,
+std::optional<int> side_of(const SlabSpan<E>& span, const E& m, Length length, const SpanRange<E>* range,
                            intersect::Convention convention) {
-    Fraction<E> answer = range ? largest_entry(s, *range) : largest_entry(s);
+    Fraction<E> answer = range ? largest_entry(span, *range) : largest_entry(span);
     if (range) {
-        const EnclosedHit<E> found = enclose(s, range, convention);
+        const EnclosedHit<E> found = enclose(span, range, convention);
         if (!found.hit.is_yes()) return std::nullopt;
-        if (found.crossing == Crossing::far) answer = smallest_exit(s);
+        if (found.crossing == Crossing::far) answer = smallest_exit(span);
     } else if (convention.inside == intersect::Inside::exit && (answer.n <= E(0)).is_yes()) {
-        answer = smallest_exit(s);
+        answer = smallest_exit(span);
     }
-    return side_of_fraction(answer, s.d2, m, length);
+    return side_of_fraction(answer, span.d2, m, length);
 }
 
 /// Enclosure of a number without its gradient: the number itself, or the value of a `Dual`.
@@ -158,10 +160,10 @@ struct EnclosingPart<Dual<F, N>> {
     static const F& value(const Dual<F, N>& x) { return x.value(); }
 };
 template <class E, class F = typename EnclosingPart<E>::type>
-QuarticSpan<F> enclosing_part(const QuarticSpan<E>& s) {
+QuarticSpan<F> enclosing_part(const QuarticSpan<E>& span) {
     const auto value = [](const E& x) { return EnclosingPart<E>::value(x); };
-    QuarticSpan<F> part{{{}, s.f.degree}, value(s.a), value(s.b), value(s.bound), value(s.d2)};
-    for (std::size_t i = 0; i < s.f.c.size(); ++i) part.f.c[i] = value(s.f.c[i]);
+    QuarticSpan<F> part{{{}, span.f.degree}, value(span.a), value(span.b), value(span.bound), value(span.d2)};
+    for (std::size_t i = 0; i < span.f.c.size(); ++i) part.f.c[i] = value(span.f.c[i]);
     return part;
 }
 
@@ -182,8 +184,8 @@ struct RootHit {
 template <class F>
 class QuarticWalk {
 public:
-    QuarticWalk(const QuarticSpan<F>& s, const SpanRange<F>* range, intersect::Convention convention)
-        : span_(s), range_(range), convention_(convention), begin_(range ? s.x_at(range->begin) : s.b) {}
+    QuarticWalk(const QuarticSpan<F>& span, const SpanRange<F>* range, intersect::Convention convention)
+        : span_(span), range_(range), convention_(convention), begin_(range ? span.x_at(range->begin) : span.b) {}
 
     [[nodiscard]] RootHit<F> find() {
         auto roots = enclosed_roots(span_.f, span_.bound);
@@ -270,8 +272,8 @@ private:
 };
 
 template <class E, class F = typename EnclosingPart<E>::type>
-RootHit<F> root_hit(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention) {
-    const QuarticSpan<F> part = enclosing_part(s);
+RootHit<F> root_hit(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention) {
+    const QuarticSpan<F> part = enclosing_part(span);
     const auto value = [](const E& x) { return EnclosingPart<E>::value(x); };
     std::optional<SpanRange<F>> plain_range;
     if (range)
@@ -282,24 +284,24 @@ RootHit<F> root_hit(const QuarticSpan<E>& s, const SpanRange<E>* range, intersec
 /// Encloses the hit of a quartic. If the numbers have a gradient, that of the root x follows from f(x) = 0: x' =
 /// −f'/(∂f/∂x). At a double root the gradient is unknown.
 template <class E>
-EnclosedHit<E> enclose(const QuarticSpan<E>& s, const SpanRange<E>* range, intersect::Convention convention) {
-    const auto found = root_hit(s, range, convention);
+EnclosedHit<E> enclose(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention) {
+    const auto found = root_hit(span, range, convention);
     if (!found.hit.is_yes()) return {found.hit};
-    if (found.crossing == Crossing::begin) return enclose_begin(s.d2, range, found.touching, found.on_surface);
+    if (found.crossing == Crossing::begin) return enclose_begin(span.d2, range, found.touching, found.on_surface);
 
     E x(found.roots[found.root].root);
     if constexpr (!std::is_same_v<E, typename EnclosingPart<E>::type>) {
-        const E f = s.f.at(x);
+        const E f = span.f.at(x);
         const auto slope_at_root = found.roots.f.derivative().at(x.value());
         typename E::Gradient gradient;
         for (const auto& slope : f.gradient()) gradient.push_back(-slope / slope_at_root);
         x = E(x.value(), gradient);
     }
 
-    const E t = s.t_at(x);
+    const E t = span.t_at(x);
     return {.hit = Tri::yes,
             .t = t,
-            .distance = t * sqrt(s.d2),
+            .distance = t * sqrt(span.d2),
             .touching = found.touching,
             .on_surface = found.on_surface,
             .crossing = found.crossing,
@@ -321,21 +323,21 @@ struct QuadraticSurd {
 /// Order of the root of a quartic that the ray hits, relative to m > 0. For a distance, the sign of the polynomial
 /// `simple` is that of `simple` times d2 to the power of its degree, which is a `QuadraticSurd`.
 template <class E>
-std::optional<int> side_of(const QuarticSpan<E>& s, const E& m, Length length, const SpanRange<E>* range,
+std::optional<int> side_of(const QuarticSpan<E>& span, const E& m, Length length, const SpanRange<E>* range,
                            intersect::Convention convention) {
-    const auto found = root_hit(s, range, convention);
+    const auto found = root_hit(span, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
+    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, span.d2, m, length);
     const EnclosedRoots<E>& roots = found.roots;
-    if (length == Length::parameter) return roots.order(found.root, s.x_at(m));
-    const QuadraticSurd<E> x{s.b * s.d2, s.a * m, s.d2};
+    if (length == Length::parameter) return roots.order(found.root, span.x_at(m));
+    const QuadraticSurd<E> x{span.b * span.d2, span.a * m, span.d2};
     return roots.order(
-        found.root, [&](const E& p) { return sign_of_sum<E>(p - s.b, -(s.a * m), s.d2); },
+        found.root, [&](const E& p) { return sign_of_sum<E>(p - span.b, -(span.a * m), span.d2); },
         [&] {
-            QuadraticSurd<E> y{roots.simple.leading(), E(0), s.d2};
+            QuadraticSurd<E> y{roots.simple.leading(), E(0), span.d2};
             E power(1);
             for (int i = roots.simple.degree - 1; i >= 0; --i) {
-                power = power * s.d2;
+                power = power * span.d2;
                 y = y * x;
                 y.u = y.u + power * roots.simple.coefficient(i);
             }

@@ -60,8 +60,7 @@ ColumnProgram ColumnRecorder::finish(std::vector<ColumnIndex> outputs) {
     for (std::size_t i = program_.instructions.size(); i-- > 0;) {
         const ColumnInstruction& instruction = program_.instructions[i];
         bool has_needed_result = instruction.operation == ColumnOperation::gate;
-        for (std::size_t k = 0; k < instruction.output_count; ++k)
-            has_needed_result |= is_needed[instruction.out[k]];
+        for (std::size_t k = 0; k < instruction.output_count; ++k) has_needed_result |= is_needed[instruction.out[k]];
         if (!has_needed_result) continue;
         for (std::size_t k = 0; k < instruction.input_count; ++k) mark_needed(instruction.in[k]);
         needed_instructions.push_back(instruction);

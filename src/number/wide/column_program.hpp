@@ -123,9 +123,7 @@ struct ColumnProgram {
     std::vector<ColumnInstruction> instructions;
     std::vector<ColumnIndex> outputs;
 
-    [[nodiscard]] double constant_at(ColumnIndex index) const {
-        return constants[-1 - index];
-    }
+    [[nodiscard]] double constant_at(ColumnIndex index) const { return constants[-1 - index]; }
 };
 
 /// Writes a program. While a recorder lives, operations on its thread become instructions. An operation with the same

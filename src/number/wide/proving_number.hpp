@@ -99,7 +99,9 @@ public:
         const P propagated_error = (a.e_ + smallest_normal<P>()) / plain_value(root.w_);
         return {root.w_, select(plain_value(a.w_) > a.radius(), root.e_ + propagated_error, P(1) / P(0))};
     }
-    friend ProvingNumber fma(const ProvingNumber& a, const ProvingNumber& b, const ProvingNumber& c) { return a * b + c; }
+    friend ProvingNumber fma(const ProvingNumber& a, const ProvingNumber& b, const ProvingNumber& c) {
+        return a * b + c;
+    }
     /// Returns the number itself: the pair encloses real numbers, which have no neighbours.
     friend ProvingNumber next_up(const ProvingNumber& a) { return a; }
     friend ProvingNumber next_down(const ProvingNumber& a) { return a; }

@@ -155,11 +155,12 @@ public:
     }
     friend RunningError square(const RunningError& a) { return record_number(ColumnOperation::bounded_square, a); }
     friend RunningError sqrt(const RunningError& a) { return record_number(ColumnOperation::bounded_root, a); }
-    friend RunningError difference_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d) {
+    friend RunningError difference_of_products(const RunningError& a, const RunningError& b, const RunningError& c,
+                                               const RunningError& d) {
         return record_number(ColumnOperation::bounded_product_difference, a, b, c, d);
     }
-    friend RunningError sum_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d,
-                                   const RunningError& f, const RunningError& g) {
+    friend RunningError sum_of_products(const RunningError& a, const RunningError& b, const RunningError& c,
+                                        const RunningError& d, const RunningError& f, const RunningError& g) {
         return record_number(ColumnOperation::bounded_product_sum, a, b, c, d, f, g);
     }
     friend RunningError sum_of_squares(const RunningError& a, const RunningError& b, const RunningError& c) {

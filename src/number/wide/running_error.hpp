@@ -138,15 +138,16 @@ public:
     friend RunningError square(const RunningError& a) {
         return with_rounding_error(Traits::product(a.w_, a.w_), plus(propagated_error_of(a), P(underflow_loss)));
     }
-    friend RunningError difference_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d) {
+    friend RunningError difference_of_products(const RunningError& a, const RunningError& b, const RunningError& c,
+                                               const RunningError& d) {
         const W x = Traits::product(a.w_, b.w_), y = Traits::negative(Traits::product(c.w_, d.w_));
         const W w = Traits::sum(x, y);
         const P magnitude_sum = magnitude_of(x) + magnitude_of(y) + magnitude_of(w);
         return {w, plus(plus(propagated_error_of(a, b), propagated_error_of(c, d)),
                         P(error) * magnitude_sum + P(underflow_loss))};
     }
-    friend RunningError sum_of_products(const RunningError& a, const RunningError& b, const RunningError& c, const RunningError& d,
-                                   const RunningError& f, const RunningError& g) {
+    friend RunningError sum_of_products(const RunningError& a, const RunningError& b, const RunningError& c,
+                                        const RunningError& d, const RunningError& f, const RunningError& g) {
         const W x = Traits::product(a.w_, b.w_), y = Traits::product(c.w_, d.w_), z = Traits::product(f.w_, g.w_);
         const W s = Traits::sum(x, y), w = Traits::sum(s, z);
         const P magnitude_sum =

@@ -70,7 +70,7 @@ mask_t<T> constant_mask(const Mask& mask) {
 /// Name of each result of an exact step, for numbers that record operations.
 inline constexpr std::string_view name_of(CallAnswer answer) {
     constexpr std::array<std::string_view, 4> names{"exact_decision", "exact_t", "exact_near", "exact_far"};
-    return names[answer];
+    return names[static_cast<std::size_t>(answer)];
 }
 
 /// Records a step that was computed without T's own operations; `value` is its result.

@@ -14,12 +14,12 @@ namespace lostbits::output::attribution {
 namespace {
 
 /// FPBench's names: `(float e n)` has e exponent bits and n bits in total.
-std::string precision_name(const FloatFormat& f) {
-    if (f == binary32) return "binary32";
-    if (f == binary64) return "binary64";
-    if (f == binary16) return "binary16";
-    const int exponent_bits = 1 + std::ilogb(static_cast<double>(f.emax + 1));
-    return fmt::format("(float {} {})", exponent_bits, exponent_bits + f.precision);
+std::string precision_name(const FloatFormat& format) {
+    if (format == binary32) return "binary32";
+    if (format == binary64) return "binary64";
+    if (format == binary16) return "binary16";
+    const int exponent_bits = 1 + std::ilogb(static_cast<double>(format.emax + 1));
+    return fmt::format("(float {} {})", exponent_bits, exponent_bits + format.precision);
 }
 
 /// A double as an exact rational, built from integers of at most 53 bits and powers of two.

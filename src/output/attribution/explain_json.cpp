@@ -59,7 +59,7 @@ Json tape_operation_json(const Explanation& explanation, const TapeText& text, N
 }
 
 std::string name_of_outcome(Outcome outcome) {
-    return std::string(measure::answer::outcome_names[outcome]);
+    return std::string(measure::answer::outcome_names[static_cast<std::size_t>(outcome)]);
 }
 
 Json form_result_json(const measure::attribution::FormResult& result) {

@@ -24,10 +24,8 @@ std::vector<NodeId> nodes_by_contribution(const RangesBound& bound) {
     std::vector<NodeId> nodes;
     for (std::size_t i = 0; i < bound.node_contributions.size(); ++i)
         if (bound.node_contributions[i] > 0) nodes.push_back(static_cast<NodeId>(i));
-    std::ranges::stable_sort(nodes, [&](NodeId a, NodeId b) {
-        return bound.node_contributions[a] >
-               bound.node_contributions[b];
-    });
+    std::ranges::stable_sort(
+        nodes, [&](NodeId a, NodeId b) { return bound.node_contributions[a] > bound.node_contributions[b]; });
     return nodes;
 }
 
@@ -55,7 +53,8 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
     text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.largest_ratio);
     if (seen.running_hits > 0)
         text += fmt::format(
-            " RunningError bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the box.",
+            " RunningError bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the "
+            "box.",
             seen.largest_running_bound, seen.wider_running_bounds);
     return text + "\n";
 }
@@ -65,8 +64,7 @@ std::string operations_block(const RangesBound& bound) {
     std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
     const auto nodes = nodes_by_contribution(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
-        text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[nodes[k]],
-                            tape_text.definition(nodes[k]));
+        text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[nodes[k]], tape_text.definition(nodes[k]));
     if (nodes.size() > operations_shown)
         text += fmt::format("  and {} other operations, by less\n", nodes.size() - operations_shown);
     return text;

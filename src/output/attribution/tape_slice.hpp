@@ -26,9 +26,8 @@ struct TapeSlice {
         }
         for (NodeId i = 0; i < tape.size(); ++i) {
             constant[i] =
-                tape[i].op != TapeOp::input && std::ranges::all_of(tape.operands_of(i), [this](NodeId operand) {
-                    return constant[operand];
-                });
+                tape[i].op != TapeOp::input &&
+                std::ranges::all_of(tape.operands_of(i), [this](NodeId operand) { return constant[operand]; });
         }
     }
     [[nodiscard]] bool is_needed(NodeId i) const { return needed[i]; }

@@ -39,7 +39,7 @@ std::string evidence_text(const Claim& claim, const ClaimResult& result);
 /// Names of the states, in the order of `ClaimResult::State`.
 inline constexpr std::array state_names{"agrees", "disagrees", "broken", "skipped"};
 constexpr const char* state_name(measure::check::ClaimResult::State state) {
-    return state_names[state];
+    return state_names[static_cast<std::size_t>(state)];
 }
 /// Name of the measured quantity: `lost_bits_p50`, `onset of false_hit count 1`, `culprit_fraction of c`.
 std::string quantity_text(const Claim& claim);

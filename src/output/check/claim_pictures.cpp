@@ -145,7 +145,9 @@ std::string draw_cases(const scene::sweep::CaseFile& file, const ShownSubject& s
     std::string text;
     for (const std::optional<Touching> touching :
          {std::optional<Touching>{}, std::optional{Touching::hit}, std::optional{Touching::miss}}) {
-        if (std::ranges::none_of(tested_forms, [&](const TestedForm& r) { return r.touching == touching; })) continue;
+        if (std::ranges::none_of(tested_forms,
+                                 [&](const TestedForm& tested_form) { return tested_form.touching == touching; }))
+            continue;
         const std::string picture =
             touching ? fmt::format("{}.{}.png", file.id, intersect::convention_name(touching)) : file.id + ".png";
         image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, touching));
@@ -184,7 +186,7 @@ std::string draw_plots(const sweep::MeasuredSweep& measured, const ShownSubject&
         if (plots.has_tail) add_plot("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
         if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
-            add_plot(measure::answer::outcome_names[outcome],
+            add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                      sweep::outcome_plot(measured, format, outcome));
     }
     return text;

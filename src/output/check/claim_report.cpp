@@ -115,7 +115,8 @@ std::string introduction(const std::filesystem::path& folder, const std::vector<
                          const std::vector<ClaimResult>& results) {
     const CountsBySource counts = count_verdicts(claims, results);
     const std::size_t unconfirmed_count = claims.size() - counts.all.agreeing_count();
-    const auto quoted_count = std::ranges::count_if(claims, [](const Claim& c) { return !c.quotation.empty(); });
+    const auto quoted_count =
+        std::ranges::count_if(claims, [](const Claim& claim) { return !claim.quotation.empty(); });
     return fmt::format(
         "# What the sources say, and what we measured\n\nMade by `lostbits check{} --report reports`; do not edit. "
         "{} claims, each a sentence or a part of one{}: {}. A statement is qualified if it is true under a condition "

@@ -135,8 +135,9 @@ std::string explanation_text(const Claim& claim, const ClaimResult& result) {
 
 const Metric* metric_of_column(const std::string& column) {
     const Metric* best = nullptr;
-    for (const Metric& m : measure::metric::metrics()) {
-        if (column.starts_with(m.name) && (best == nullptr || m.name.size() > best->name.size())) best = &m;
+    for (const Metric& metric : measure::metric::metrics()) {
+        if (column.starts_with(metric.name) && (best == nullptr || metric.name.size() > best->name.size()))
+            best = &metric;
     }
     return best;
 }

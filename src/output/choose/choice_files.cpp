@@ -61,7 +61,7 @@ Table<GrowthMargin> margin_table() {
     using measure::choose::MarginEnd;
     Table<GrowthMargin> table{
         {"way", "the quantity that grows: distance, radius, offset or view",
-         [](const GrowthMargin& r) { return measure::choose::growth_names[r.growth]; }},
+         [](const GrowthMargin& r) { return measure::choose::growth_names[static_cast<std::size_t>(r.growth)]; }},
         {"holds", "1", "the largest factor at which the requirement was met; 0: not even by the scene as it is",
          &GrowthMargin::holding_factor},
         {"value", "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
@@ -71,7 +71,7 @@ Table<GrowthMargin> margin_table() {
         {"end",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far as was tried)",
-         [](const GrowthMargin& r) { return measure::choose::margin_end_names[r.end]; }}};
+         [](const GrowthMargin& r) { return measure::choose::margin_end_names[static_cast<std::size_t>(r.end)]; }}};
     return table.add<FormQuality>(
         {{"wrong", "rays decided wrongly at the failing factor", &FormQuality::wrong},
          {"rays", "number of rays at the failing factor", &FormQuality::rays},

@@ -18,16 +18,17 @@ using measure::choose::MarginEnd;
 
 namespace {
 
-double nanoseconds(const Candidate& c) { return c.time.median * 1e9; }
+double nanoseconds(const Candidate& candidate) { return candidate.time.median * 1e9; }
 
-std::string candidate_name(const Candidate& c) {
-    const Format inner_format = measure::choose::computing_format(c.tested_form);
-    return fmt::format("{} in {}{}", c.tested_form.form->info->name, c.tested_form.format.name,
-                       inner_format == c.tested_form.format ? "" : fmt::format(" with {} inside", inner_format.name));
+std::string candidate_name(const Candidate& candidate) {
+    const Format inner_format = measure::choose::computing_format(candidate.tested_form);
+    return fmt::format(
+        "{} in {}{}", candidate.tested_form.form->info->name, candidate.tested_form.format.name,
+        inner_format == candidate.tested_form.format ? "" : fmt::format(" with {} inside", inner_format.name));
 }
 
-std::string register_phrase(const Candidate& c) {
-    return c.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", c.isa);
+std::string register_phrase(const Candidate& candidate) {
+    return candidate.isa == "scalar" ? "one ray at a time" : fmt::format("in registers of {} bits", candidate.isa);
 }
 
 /// True if the times of two candidates differ by no more than they vary: the ranges between their quartiles overlap.
@@ -39,8 +40,10 @@ bool is_as_fast(const Candidate& a, const Candidate& b) {
 /// candidate is as fast.
 const Candidate* find_rival(const Candidate& fastest, const std::vector<Candidate>& candidates) {
     const Candidate* rival = nullptr;
-    for (const Candidate& c : candidates) {
-        if (&c != &fastest && is_as_fast(c, fastest) && (!rival || c.time.median < rival->time.median)) rival = &c;
+    for (const Candidate& candidate : candidates) {
+        if (&candidate != &fastest && is_as_fast(candidate, fastest) &&
+            (!rival || candidate.time.median < rival->time.median))
+            rival = &candidate;
     }
     return rival;
 }
@@ -51,10 +54,10 @@ std::string single_ray_text(const std::vector<Candidate>& candidates) {
     std::string names;
     std::string_view register_bits;
     std::size_t scalar_count = 0;
-    for (const Candidate& c : candidates) {
-        if (c.isa != "scalar") register_bits = c.isa;
+    for (const Candidate& candidate : candidates) {
+        if (candidate.isa != "scalar") register_bits = candidate.isa;
         else if (++scalar_count <= max_names)
-            names += fmt::format("{}{}", names.empty() ? "" : ", ", candidate_name(c));
+            names += fmt::format("{}{}", names.empty() ? "" : ", ", candidate_name(candidate));
     }
     if (scalar_count == 0 || register_bits.empty()) return "";
     if (scalar_count > max_names) names += fmt::format(" and {} more", scalar_count - max_names);
@@ -137,7 +140,7 @@ std::string margin_text(const GrowthMargin& margin, const ChoiceResult& result, 
     const bool rays_from_files = result.request.rays != nullptr;
     if (margin.holding_factor == 0) {
         return fmt::format("has an unknown margin in {}: it already fails on the {} on which that is tried, by {}",
-                           measure::choose::growth_names[margin.growth],
+                           measure::choose::growth_names[static_cast<std::size_t>(margin.growth)],
                            rays_from_files ? "sample of the rays" : "smaller picture",
                            failure_phrase(margin, requirement, precision));
     }
@@ -210,17 +213,18 @@ std::string accuracy_sentence(const ChoiceResult& result, const Candidate& cheap
 }
 
 /// Sentences on the chosen candidate: its accuracy, time, assumptions and margins, and how the next ray may start.
-std::string chosen_candidate_text(const ChoiceResult& result, const Candidate& c) {
-    const int precision = c.tested_form.format.parameters.precision;
-    std::string text =
-        fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(c),
-                    kept_bits_phrase(c.quality, precision, result.request.requirement), decisions_phrase(c.quality));
-    text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(c), register_phrase(c));
-    const std::string assumptions = assumptions_text(*c.tested_form.form->info);
+std::string chosen_candidate_text(const ChoiceResult& result, const Candidate& candidate) {
+    const int precision = candidate.tested_form.format.parameters.precision;
+    std::string text = fmt::format("The cheapest is {}: {}, {}.\n", candidate_name(candidate),
+                                   kept_bits_phrase(candidate.quality, precision, result.request.requirement),
+                                   decisions_phrase(candidate.quality));
+    text += fmt::format("  It takes {:.2f} ns per ray and primitive, {}.\n", nanoseconds(candidate),
+                        register_phrase(candidate));
+    const std::string assumptions = assumptions_text(*candidate.tested_form.form->info);
     text +=
         assumptions.empty() ? "  It assumes nothing about the ray.\n" : fmt::format("  It assumes: {}.\n", assumptions);
 
-    text += time_sentence(result, c) + accuracy_sentence(result, c);
+    text += time_sentence(result, candidate) + accuracy_sentence(result, candidate);
     for (const GrowthMargin& margin : result.margins)
         text += fmt::format("  It {}.\n", margin_text(margin, result, precision));
     return text + next_ray_text(result);
@@ -246,8 +250,8 @@ std::string mended_text(const ChoiceResult& result) {
     const Requirement& requirement = result.request.requirement;
     std::string text;
     for (const RepairedCandidate& repair : *result.repaired) {
-        const auto candidate = std::ranges::find(result.candidates, repair.name,
-                                                 [](const Candidate& c) { return c.tested_form.form->info->name; });
+        const auto candidate = std::ranges::find(
+            result.candidates, repair.name, [](const Candidate& other) { return other.tested_form.form->info->name; });
         const int precision = candidate->tested_form.format.parameters.precision;
 
         text += fmt::format("{} is {}: {}, {}; {:.2f} ns.\n", repair.name, repair.method,

@@ -37,8 +37,8 @@ namespace {
 /// Largest number of candidates with a colour of their own. A picture with more colours would not be readable.
 constexpr std::size_t max_colours = 10;
 
-std::string name_of(const Candidate& c) {
-    return fmt::format("{} {}", map::short_name(*c.tested_form.form->info), c.tested_form.format.name);
+std::string name_of(const Candidate& candidate) {
+    return fmt::format("{} {}", map::short_name(*candidate.tested_form.form->info), candidate.tested_form.format.name);
 }
 
 using pixel::colour_of;
@@ -157,8 +157,7 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
             const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(requirement_map.width) +
                                static_cast<std::size_t>(x);
             row[x] = colours.candidate_colour(requirement_map.cheapest[pixel]);
-            row[x + requirement_map.width + gap] =
-                colours.format_colour(requirement_map.narrowest[pixel]);
+            row[x + requirement_map.width + gap] = colours.format_colour(requirement_map.narrowest[pixel]);
         }
         picture.write_rows(row);
     }

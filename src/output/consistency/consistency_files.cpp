@@ -154,7 +154,7 @@ Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(
     for (std::size_t c = 0; c < study.checks.size(); ++c) {
         const Check& check = *study.checks[c];
         table.add({std::string(check.name), fmt::format("{}: {}", check.title, result_names), [c](const R& r) {
-                       return check_result_names[r.band->checks[c].results[r.i]];
+                       return check_result_names[static_cast<std::size_t>(r.band->checks[c].results[r.i])];
                    }});
         if (!check.compares_numbers) continue;
 

@@ -86,7 +86,7 @@ PixelCounts count_pixel_changes(const PixelField& a, const PixelField& b) {
     PixelCounts counts;
     for (std::size_t i = 0; i < a.lost_bits.size(); ++i) {
         if (const auto c = pixel_class(a.outcomes[i], b.outcomes[i])) {
-            ++counts.by_class[*c];
+            ++counts.by_class[static_cast<std::size_t>(*c)];
             continue;
         }
         const double difference = b.lost_bits[i] - a.lost_bits[i];
@@ -159,7 +159,7 @@ void draw_difference(const std::filesystem::path& path, const PixelField& a, con
     std::vector<Rgb8> row(static_cast<std::size_t>(a.width));
     for (std::size_t i = 0, x = 0; i < a.lost_bits.size(); ++i) {
         const auto c = pixel_class(a.outcomes[i], b.outcomes[i]);
-        row[x] = c ? pixel_class_colours[*c]
+        row[x] = c ? pixel_class_colours[static_cast<std::size_t>(*c)]
                    : scale.colour_of_value(b.lost_bits[i] - a.lost_bits[i]);
         if (++x < row.size()) continue;
         picture.write_rows(row);

@@ -76,7 +76,7 @@ struct ColumnPair {
 
 bool is_wrong_decision(const std::string& name) {
     return std::ranges::any_of(measure::evaluate::wrong_decisions, [&name](measure::answer::Outcome o) {
-        return name == measure::answer::outcome_names[o];
+        return name == measure::answer::outcome_names[static_cast<std::size_t>(o)];
     });
 }
 

@@ -287,8 +287,7 @@ void ContactSheet::draw_parts(Canvas& canvas, std::size_t columns) const {
                                                            : fmt::format("The other {}", columns - first_block_forms))};
     for (int part = 0; part < 2; ++part)
         canvas.text(style::margin, block_y(part) - part_line,
-                    image_backend().render_text(lines[part], style::text_size),
-                    style::soft_ink);
+                    image_backend().render_text(lines[part], style::text_size), style::soft_ink);
 }
 
 /// Draws one bar beside the first block, or a bar beside each line of every block, as high as its thumbnails.

@@ -67,8 +67,7 @@ void Thumbnail::pick_row(int y, std::span<const Rgb8> samples) {
     if (middle(j, field_height_, height_) != y) ++j;
     if (j >= height_ || middle(j, field_height_, height_) != y) return;
     for (int i = 0; i < width_; ++i) {
-        pixels_[j * width_ + i] =
-            samples[middle(i, field_width_, width_)];
+        pixels_[j * width_ + i] = samples[middle(i, field_width_, width_)];
     }
 }
 

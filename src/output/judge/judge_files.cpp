@@ -47,7 +47,7 @@ std::string case_name(const TestedForm& tested_form, const ReportedRay& ray) {
     const std::string error_text =
         ray.outcome == measure::answer::Outcome::agree_hit
             ? fmt::format("{:.6g} ulp", ray.ulps)
-            : std::string(measure::answer::outcome_names[ray.outcome]);
+            : std::string(measure::answer::outcome_names[static_cast<std::size_t>(ray.outcome)]);
     return fmt::format("{} in {}: ray {}, {}", tested_form.form->info->name, tested_form.format.name, ray.ray_index,
                        error_text);
 }

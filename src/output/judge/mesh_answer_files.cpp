@@ -35,7 +35,7 @@ Table<MeshFaultRow> fault_table(AnswerKind kind) {
 
 void add_list_columns(Table<MeshSummaryRow>& table) {
     const auto add = [&table](const char* name, const char* meaning, std::uint64_t MeshAnswersResult::*count) {
-        table.add({name, meaning, [count](const MeshSummaryRow& r) { return r.result->*count; }});
+        table.add({name, meaning, [count](const MeshSummaryRow& row) { return row.result->*count; }});
     };
     add("listed", "hits in the file", &MeshAnswersResult::listed_hits);
     add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing_crossings);
@@ -48,12 +48,12 @@ void add_list_columns(Table<MeshSummaryRow>& table) {
                                       measure::metric::Distribution MeshAnswersResult::*distribution) {
         for (const auto& statistic : measure::metric::statistics)
             table.add({name + "_" + std::string(statistic.name), unit, meaning + ": " + std::string(statistic.meaning),
-                       [distribution, &statistic](const MeshSummaryRow& r) {
-                           return file::number_or_missing(statistic.of(r.result->*distribution));
+                       [distribution, &statistic](const MeshSummaryRow& row) {
+                           return file::number_or_missing(statistic.of(row.result->*distribution));
                        }});
     };
     table.add({"measured", "hits whose triangle the ray meets, and whose t is a number",
-               [](const MeshSummaryRow& r) { return r.result->ulp_errors.count(); }});
+               [](const MeshSummaryRow& row) { return row.result->ulp_errors.count(); }});
     add_numbers("ulp_error", "ulp", "|t - t*|/ulp(t*) of these", &MeshAnswersResult::ulp_errors);
     add_numbers("lost_bits", "bits", "bits lost by these", &MeshAnswersResult::lost_bits);
 }
@@ -66,22 +66,22 @@ Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
         {"form", "the answers of the file", &MeshSummaryRow::name},
         {"format", "format that they were computed in", &MeshSummaryRow::format},
         {"answers", "what the answers are about",
-         [](const MeshSummaryRow& r) {
-             return std::string(scene::ray_file::answer_kind_names[r.result->kind]);
+         [](const MeshSummaryRow& row) {
+             return std::string(scene::ray_file::answer_kind_names[static_cast<std::size_t>(row.result->kind)]);
          }},
-        {records, records + " in the file", [](const MeshSummaryRow& r) { return r.result->answers; }}};
+        {records, records + " in the file", [](const MeshSummaryRow& row) { return row.result->answers; }}};
 
     for (std::size_t o = 0; o < measure::judge::mesh_outcome_rows.size(); ++o) {
         const auto outcome = static_cast<MeshOutcome>(o);
         if (!measure::judge::can_have_outcome(outcome, kind)) continue;
         const auto& [name, meaning] = measure::judge::mesh_outcome_rows[o];
         table.add({std::string(name), records + ": " + std::string(meaning),
-                   [outcome](const MeshSummaryRow& r) { return r.result->outcome_count(outcome); }});
+                   [outcome](const MeshSummaryRow& row) { return row.result->outcome_count(outcome); }});
     }
 
     if (kind != AnswerKind::inside)
         table.add({"crossings", "true crossings of the surface by all rays",
-                   [](const MeshSummaryRow& r) { return r.result->crossings; }});
+                   [](const MeshSummaryRow& row) { return row.result->crossings; }});
     if (kind == AnswerKind::all_hits) add_list_columns(table);
     return table;
 }
@@ -120,7 +120,7 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
                [](const R& r) { return std::string(measure::judge::name_of(r.judgement.outcome)); }});
     table.add({kind == AnswerKind::all_hits
                    ? "listed"
-                   : std::string(scene::ray_file::answer_kind_names.at(kind)),
+                   : std::string(scene::ray_file::answer_kind_names.at(static_cast<std::size_t>(kind))),
                kind == AnswerKind::all_hits ? "hits in the file" : "answer of the file", &R::answer_count});
     if (is_point) return table.add({"winding", "layers of the surface that enclose the point", &R::winding});
 

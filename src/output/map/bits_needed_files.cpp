@@ -91,12 +91,12 @@ Table<BitsNeededRow> bits_needed_table() {
 
     // Statistics of the widths, over all pixels that have one and over the true hits.
     const auto add = [&table](const std::string& prefix, const char* population, const auto& counts_of) {
-        for (const measure::metric::Statistic& s : statistics)
-            table.add(
-                {prefix + std::string(s.name), "bits", std::string(s.meaning) + population, [s, counts_of](const R& r) {
-                     const PrecisionCounts& counts = counts_of(r);
-                     return when(counts.count() != 0, static_cast<double>(s.of(counts)));
-                 }});
+        for (const measure::metric::Statistic& statistic : statistics)
+            table.add({prefix + std::string(statistic.name), "bits", std::string(statistic.meaning) + population,
+                       [statistic, counts_of](const R& r) {
+                           const PrecisionCounts& counts = counts_of(r);
+                           return when(counts.count() != 0, static_cast<double>(statistic.of(counts)));
+                       }});
     };
     add(
         "needed_", " of the widths needed, over the pixels that have one",
@@ -129,7 +129,7 @@ Table<BitsNeededPixel> bits_needed_pixel_table(int bits) {
                  return static_cast<std::size_t>(r.band->y0) + r.i / static_cast<std::size_t>(r.band->width);
              }},
             {"truth", "hit, miss or unresolved",
-             [](const R& r) { return measure::truth::decision_names[r.truth.decision]; }},
+             [](const R& r) { return measure::truth::decision_names[static_cast<std::size_t>(r.truth.decision)]; }},
             {"truth_object", "primitive that the ray truly hits first, from 0",
              [](const R& r) { return when(r.truth.is_hit(), r.truth.primitive); }},
             {"needed", "bits",

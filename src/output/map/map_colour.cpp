@@ -23,7 +23,7 @@ Rgb8 make_paler(Rgb8 c) {
 
 std::string outcome_in_words(Outcome o) {
     if (o == Outcome::wrong_primitive) return "wrong primitive";
-    std::string name = name_in_words(measure::answer::outcome_names[o]);
+    std::string name = name_in_words(measure::answer::outcome_names[static_cast<std::size_t>(o)]);
     if (name.starts_with("agree ")) name.replace(0, 5, "correct");
     return name;
 }
@@ -65,7 +65,7 @@ Rgb8 LostBitsScale::colour(double bits, const FloatFormat& format) const {
 }
 
 Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
-    if (outcome != Outcome::agree_hit) return image::outcome_colours[outcome];
+    if (outcome != Outcome::agree_hit) return image::outcome_colours[static_cast<std::size_t>(outcome)];
     // A correct hit on which the metric is undefined (the form has no exact value there) gets the colour of its
     // outcome.
     return std::isnan(value) ? image::outcome_colours[0] : scale.colour_of_value(std::fabs(value));

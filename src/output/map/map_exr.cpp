@@ -28,9 +28,9 @@ struct MapExr::TruthPart {
         if (convention.at_origin == intersect::AtOrigin::miss) name += ".ahead";
         if (convention.at_origin == intersect::AtOrigin::exit) name += ".leaving";
         if (convention.inside != intersect::Inside::usual)
-            name.append(".inside_").append(intersect::inside_names[convention.inside]);
+            name.append(".inside_").append(intersect::inside_names[static_cast<std::size_t>(convention.inside)]);
         if (convention.facing != intersect::Facing::both)
-            name.append(".").append(intersect::facing_names[convention.facing]);
+            name.append(".").append(intersect::facing_names[static_cast<std::size_t>(convention.facing)]);
         if (convention.endless) name += ".endless";
         if (generator) name.append(".ray-").append(generator->info->name);
         return name;

@@ -20,8 +20,8 @@ using measure::evaluate::BandResult;
 using measure::evaluate::MapStudy;
 
 /// True if the format holds every number of binary32, the format of shared inputs.
-[[nodiscard]] constexpr bool holds_shared_inputs(const FloatFormat& f) {
-    return f.precision >= binary32.precision && f.emax >= binary32.emax && f.emin <= binary32.emin;
+[[nodiscard]] constexpr bool holds_shared_inputs(const FloatFormat& format) {
+    return format.precision >= binary32.precision && format.emax >= binary32.emax && format.emin <= binary32.emin;
 }
 
 /// Note that names the formats whose errors include the rounding of the inputs. Empty if the inputs are shared and

@@ -35,7 +35,7 @@ Cell cell_of(const SummaryColumn& column, const FormSummary& summary) {
         case SummaryColumn::Kind::count: return static_cast<std::uint64_t>(x);
         case SummaryColumn::Kind::number: break;
         case SummaryColumn::Kind::hex: return file::hex(x);
-        case SummaryColumn::Kind::category: return column.categories[x];
+        case SummaryColumn::Kind::category: return column.categories[static_cast<std::size_t>(x)];
     }
     return x;
 }
@@ -128,7 +128,7 @@ std::vector<Culprit> find_culprits(const std::vector<const Metric*>& metrics, co
 
 table::TableColumn<BandRay> outcome_column() {
     return {"outcome", "outcome of the ray", [](const BandRay& r) {
-                return measure::answer::outcome_names[r.result->outcomes[r.i]];
+                return measure::answer::outcome_names[static_cast<std::size_t>(r.result->outcomes[r.i])];
             }};
 }
 
@@ -149,7 +149,7 @@ Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metric
                        const double value = r.result->metrics[m][r.i];
                        if (std::isnan(value)) return {};
                        if (categories.empty()) return value;
-                       return categories[value];
+                       return categories[static_cast<std::size_t>(value)];
                    }});
     }
     return table;

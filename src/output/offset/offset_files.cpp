@@ -70,7 +70,7 @@ enum class SafeOffsetKind : std::uint8_t { no_point, none_needed, none_safe, has
 PixelValue safe_offset_pixel(const OffsetBand& band, std::size_t pixel, Side side) {
     const auto category = [](SafeOffsetKind kind) { return static_cast<std::size_t>(kind); };
     if (band.is_point[pixel] == 0) return {category(SafeOffsetKind::no_point)};
-    const double offset = band.sides[pixel][side].safe_offset;
+    const double offset = band.sides[pixel][static_cast<std::size_t>(side)].safe_offset;
     if (offset == 0) return {category(SafeOffsetKind::none_needed)};
     return std::isfinite(offset) ? PixelValue{category(SafeOffsetKind::has_value), offset / band.ulp[pixel]}
                                  : PixelValue{category(SafeOffsetKind::none_safe)};
@@ -211,7 +211,7 @@ Table<study::PixelInBand<OffsetBand>> OffsetPresentation::pixel_table(const Offs
              {"safe_" + name, "world units", "smallest safe offset; inf if no offset is safe", &P::safe_offset},
              {"quiet_" + name, "world units",
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet_offset}},
-            [side](const R& r) -> const P& { return r.band->sides[r.i][side]; });
+            [side](const R& r) -> const P& { return r.band->sides[r.i][static_cast<std::size_t>(side)]; });
 
         // Faults of each strategy.
         for (std::size_t k = 0; k < study.strategies.size(); ++k) {

@@ -16,7 +16,7 @@
 namespace lostbits::output::pixel {
 
 [[nodiscard]] constexpr image::Rgb8 colour_of(measure::answer::Outcome o) {
-    return image::outcome_colours[o];
+    return image::outcome_colours[static_cast<std::size_t>(o)];
 }
 
 /// A kind of pixel, which a pixel has instead of a number or in addition to one.

@@ -231,8 +231,7 @@ TextBitmap rotate_left(const TextBitmap& text) {
     result.coverage.resize(text.coverage.size());
     for (int y = 0; y < text.height; ++y) {
         for (int x = 0; x < text.width; ++x) {
-            result.coverage[(text.width - 1 - x) * text.height + y] =
-                text.coverage[y * text.width + x];
+            result.coverage[(text.width - 1 - x) * text.height + y] = text.coverage[y * text.width + x];
         }
     }
     return result;

@@ -48,8 +48,8 @@ public:
     }
 
 private:
-    [[nodiscard]] bool is_square(const TapeNode& n) const {
-        return n.op == TapeOp::mul && n.operands[0] == n.operands[1];
+    [[nodiscard]] bool is_square(const TapeNode& node) const {
+        return node.op == TapeOp::mul && node.operands[0] == node.operands[1];
     }
     [[nodiscard]] std::string statement(NodeId i) const override {
         const TapeNode& n = tape_[i];
@@ -105,12 +105,12 @@ std::string info_members(const intersect::Info& info, const FormTexts& texts) {
     add(info.roots != Roots::both, ".roots = Roots::" + name_of_roots(info.roots));
     add(info.touching == Touching::miss, ".touching = Touching::miss");
     add(info.at_origin != AtOrigin::hit,
-        fmt::format(".at_origin = AtOrigin::{}", at_origin_names[info.at_origin]));
+        fmt::format(".at_origin = AtOrigin::{}", at_origin_names[static_cast<std::size_t>(info.at_origin)]));
     add(texts.is_binary32_only, ".formats = Formats::binary32_only");
     add(info.inside != Inside::usual,
-        fmt::format(".inside = Inside::{}", inside_names[info.inside]));
+        fmt::format(".inside = Inside::{}", inside_names[static_cast<std::size_t>(info.inside)]));
     add(info.facing != Facing::both,
-        fmt::format(".facing = Facing::{}", facing_names[info.facing]));
+        fmt::format(".facing = Facing::{}", facing_names[static_cast<std::size_t>(info.facing)]));
     add(info.endless, ".endless = true");
     return text;
 }

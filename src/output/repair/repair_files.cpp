@@ -110,7 +110,8 @@ std::vector<FormRow> form_rows(const RepairSummary& summary) {
     // All operations wider come after the sets and before the rewritings.
     const auto add_proposal = [&](const Proposal& proposal) { rows.push_back(make_proposal_row(summary, proposal)); };
     const auto proposals = list_proposals(summary);
-    const auto rewritten = std::ranges::find_if(proposals, [](const Proposal& p) { return p.rewritten != nullptr; });
+    const auto rewritten =
+        std::ranges::find_if(proposals, [](const Proposal& proposal) { return proposal.rewritten != nullptr; });
     std::for_each(proposals.begin(), rewritten, add_proposal);
     rows.push_back(make_all_wider_row(summary));
     std::for_each(rewritten, proposals.end(), add_proposal);
@@ -293,8 +294,8 @@ std::vector<MinimalRow> minimal_rows(const RepairSummary& summary) {
     const measure::repair::WiderSet& wider_set = *summary.repair.wider_set;
     const std::vector<int> steps = count_steps(summary.repair.tape);
     for (std::size_t k = 0; k < wider_set.operations.size(); ++k)
-        rows.push_back({operation_text(summary, wider_set.operations[k]),
-                        steps[wider_set.operations[k]], &wider_set.quality_without[k],
+        rows.push_back({operation_text(summary, wider_set.operations[k]), steps[wider_set.operations[k]],
+                        &wider_set.quality_without[k],
                         wider_set.quality_without[k].meets(summary.request.requirement)});
     return rows;
 }

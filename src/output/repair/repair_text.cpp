@@ -45,7 +45,7 @@ std::string quality_clause(const FormQuality& quality, const measure::choose::Re
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary) {
-    const auto growth_name = measure::choose::growth_names[margin.growth];
+    const auto growth_name = measure::choose::growth_names[static_cast<std::size_t>(margin.growth)];
     const auto& requirement = summary.request.requirement;
     if (margin.holding_factor == 0)
         return fmt::format("{}: fails already as it is, on a smaller picture: {}", growth_name,
@@ -388,9 +388,11 @@ bool Proposal::meets_on_exact_probes(const RepairSummary& summary) const {
 }
 
 const Proposal* best_proposal(const std::vector<Proposal>& proposals, const RepairSummary& summary) {
-    const auto rank = [&](const Proposal& p) {
-        const double operations = p.rewritten ? static_cast<double>(p.rewritten->rounding_operation_count) : HUGE_VAL;
-        return std::pair(!p.meets_on_exact_probes(summary), p.price ? p.price->packed.median : operations);
+    const auto rank = [&](const Proposal& proposal) {
+        const double operations =
+            proposal.rewritten ? static_cast<double>(proposal.rewritten->rounding_operation_count) : HUGE_VAL;
+        return std::pair(!proposal.meets_on_exact_probes(summary),
+                         proposal.price ? proposal.price->packed.median : operations);
     };
     const Proposal* best = nullptr;
     for (const Proposal& proposal : proposals)

@@ -272,11 +272,11 @@ std::string contract_comment(const intersect::Info& info, const FormTexts& texts
     using namespace intersect;
     std::string text = fmt::format(
         "direction={} touching={} at_origin={} inside={}", info.direction == Direction::unit ? "unit" : "any",
-        info.touching == Touching::miss ? "miss" : "hit", at_origin_names[info.at_origin],
-        inside_names[info.inside]);
+        info.touching == Touching::miss ? "miss" : "hit", at_origin_names[static_cast<std::size_t>(info.at_origin)],
+        inside_names[static_cast<std::size_t>(info.inside)]);
     if (info.roots != Roots::none) text += info.roots == Roots::near_only ? " roots=near" : " roots=first";
     if (info.facing != Facing::both)
-        text += fmt::format(" facing={}", facing_names[info.facing]);
+        text += fmt::format(" facing={}", facing_names[static_cast<std::size_t>(info.facing)]);
     if (info.endless) text += " flags=no_end";
     std::string title = file::line_comment(texts.title);
     std::ranges::replace(title, '"', '\'');  // quotation marks delimit the value and cannot be escaped

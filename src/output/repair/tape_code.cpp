@@ -85,9 +85,9 @@ void TapeCode::assign_names(const TapeCode* reference) {
     }
 }
 
-std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* reference, std::set<std::string>& used) {
-    const std::string proper_name = !n.label.empty() ? identifier(n.label) : input_difference_name(n);
-    const std::string key = make_key(n);
+std::string TapeCode::name_operation(const TapeNode& node, const TapeCode* reference, std::set<std::string>& used) {
+    const std::string proper_name = !node.label.empty() ? identifier(node.label) : input_difference_name(node);
+    const std::string key = make_key(node);
     std::string name = proper_name;
     if (std::vector<std::string>& equal_names = names_by_key_[key]; proper_name.empty()) {
         // The name of the equal operation of the reference, or the next number that is free.
@@ -96,7 +96,7 @@ std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* referenc
             reference_names->second.size() > equal_names.size())
             name = reference_names->second[equal_names.size()];
         while (name.empty()) {
-            name = fmt::format("{}{}", is_decision(n.op) ? "m" : "s", ++unnamed_count_);
+            name = fmt::format("{}{}", is_decision(node.op) ? "m" : "s", ++unnamed_count_);
             if (!used.insert(name).second) name.clear();
         }
         equal_names.push_back(name);
@@ -110,23 +110,22 @@ std::string TapeCode::name_operation(const TapeNode& n, const TapeCode* referenc
     return name;
 }
 
-std::string TapeCode::make_key(const TapeNode& n) const {
-    std::string text(name_of(n.op));
-    for (NodeId operand : n.operands) {
+std::string TapeCode::make_key(const TapeNode& node) const {
+    std::string text(name_of(node.op));
+    for (NodeId operand : node.operands) {
         if (operand == no_node) continue;
         if (tape_[operand].op == TapeOp::convert) operand = tape_[operand].operands[0];
         const bool is_constant = tape_[operand].op == TapeOp::constant;
-        text += " " + (is_constant ? fmt::format("{}", tape_[operand].operands[0])
-                                   : first_names_[operand]);
+        text += " " + (is_constant ? fmt::format("{}", tape_[operand].operands[0]) : first_names_[operand]);
     }
     return text;
 }
 
-std::string TapeCode::input_difference_name(const TapeNode& n) const {
-    if (n.op != TapeOp::sub) return "";
+std::string TapeCode::input_difference_name(const TapeNode& node) const {
+    if (node.op != TapeOp::sub) return "";
     std::array<std::string, 2> names;
     for (std::size_t k = 0; k < 2; ++k) {
-        const TapeNode* operand = &tape_[n.operands[k]];
+        const TapeNode* operand = &tape_[node.operands[k]];
         if (operand->op == TapeOp::convert) operand = &tape_[operand->operands[0]];
         if (operand->op != TapeOp::input) return "";
         names[k] = input_names_.at(operand->operands[0]);

@@ -56,11 +56,11 @@ protected:
 
 private:
     void assign_names(const TapeCode* reference);
-    std::string name_operation(const TapeNode& n, const TapeCode* reference, std::set<std::string>& used);
+    std::string name_operation(const TapeNode& node, const TapeCode* reference, std::set<std::string>& used);
     /// Key of an operation: its name and the names of its operands.
-    [[nodiscard]] std::string make_key(const TapeNode& n) const;
+    [[nodiscard]] std::string make_key(const TapeNode& node) const;
     /// Name of a difference of two inputs: `o_minus_centre_x` for `o.x - centre.x`; empty for other operations.
-    [[nodiscard]] std::string input_difference_name(const TapeNode& n) const;
+    [[nodiscard]] std::string input_difference_name(const TapeNode& node) const;
     [[nodiscard]] std::string identifier(std::string_view label) const;
     /// Counts the operations that use a result. A conversion counts as often as its own result is used.
     [[nodiscard]] int count_uses(NodeId i) const;
@@ -74,7 +74,8 @@ private:
     FloatFormat form_format_;
     std::vector<std::string> input_names_;
     std::vector<std::string> names_;  ///< one per node
-    std::size_t primitive_number_count_;   ///< number of inputs that describe the primitive, between the ray and the matrix
+    std::size_t
+        primitive_number_count_;  ///< number of inputs that describe the primitive, between the ray and the matrix
     /// Names of operations without a label, by their key (`make_key`). Equal operations have the same key.
     std::map<std::string, std::vector<std::string>> names_by_key_;
     std::vector<std::string>

@@ -27,11 +27,13 @@ namespace {
 constexpr std::array<std::string_view, 5> derived_metrics{"lost_bits", "correct_bits", "ulp_error", "relative_error",
                                                           "absolute_error"};
 
-bool is_derived(const Metric& m) { return std::ranges::find(derived_metrics, m.name) != derived_metrics.end(); }
+bool is_derived(const Metric& metric) {
+    return std::ranges::find(derived_metrics, metric.name) != derived_metrics.end();
+}
 /// True for `inherent_bits`. It is stored for every true hit, whatever the form answers, so that the values of
 /// neighbours lie nearly on a line.
-bool is_inherent_bits(const Metric& m) { return m.name == "inherent_bits"; }
-bool is_condition(const Metric& m) { return m.name == "condition"; }
+bool is_inherent_bits(const Metric& metric) { return metric.name == "inherent_bits"; }
+bool is_condition(const Metric& metric) { return metric.name == "condition"; }
 
 constexpr std::int16_t exact_bound = -32768;
 
@@ -203,29 +205,29 @@ measure::evaluate::ShowForms MapData::band_receiver() {
 
 namespace {
 
-Json metric_json(const Metric& m, std::span<const TestedForm> tested_forms) {
-    const map::MetricPaint paint(m, tested_forms.front().format.parameters);
-    Json json{{"name", m.name},
-              {"unit", m.unit},
-              {"meaning", m.meaning},
-              {"marches", m.domain == measure::metric::MetricDomain::marches},
-              {"every_ray", m.domain == measure::metric::MetricDomain::every},
-              {"blamed", m.domain == measure::metric::MetricDomain::blamed},
-              {"kind", is_inherent_bits(m) ? "hits"
-                       : is_derived(m)     ? "derived"
-                       : is_condition(m)   ? "shared"
-                                           : "stored"}};
+Json metric_json(const Metric& metric, std::span<const TestedForm> tested_forms) {
+    const map::MetricPaint paint(metric, tested_forms.front().format.parameters);
+    Json json{{"name", metric.name},
+              {"unit", metric.unit},
+              {"meaning", metric.meaning},
+              {"marches", metric.domain == measure::metric::MetricDomain::marches},
+              {"every_ray", metric.domain == measure::metric::MetricDomain::every},
+              {"blamed", metric.domain == measure::metric::MetricDomain::blamed},
+              {"kind", is_inherent_bits(metric) ? "hits"
+                       : is_derived(metric)     ? "derived"
+                       : is_condition(metric)   ? "shared"
+                                                : "stored"}};
     // One scale for each format, as in the pictures, or the categories with their colours.
     if (paint.scale()) {
         Json& scales = json["scales"] = Json::object();
         for (const TestedForm& tested_form : tested_forms)
-            scales[tested_form.format.name] = scale_json(map::metric_scale(m, tested_form.format.parameters));
+            scales[tested_form.format.name] = scale_json(map::metric_scale(metric, tested_form.format.parameters));
         return json;
     }
     Json& categories = json["categories"] = Json::array();
-    for (std::size_t c = 0; c < m.categories.size(); ++c) {
+    for (std::size_t c = 0; c < metric.categories.size(); ++c) {
         const image::Rgb8 colour = paint.colour(measure::answer::Outcome::agree_hit, static_cast<double>(c));
-        categories.push_back(Json::array({m.categories[c], colour_json(colour)}));
+        categories.push_back(Json::array({metric.categories[c], colour_json(colour)}));
     }
     return json;
 }
@@ -240,21 +242,21 @@ const char* coding_name(const Format& format) {
 }
 
 /// Quantiles of each metric that has numbers.
-Json statistics_json(const MapStudy& study, const FormSummary& s) {
+Json statistics_json(const MapStudy& study, const FormSummary& summary) {
     Json statistics = Json::object();
     for (std::size_t m = 0; m < study.metrics.size(); ++m) {
         if (!study.metrics[m]->categories.empty()) continue;
-        statistics[std::string(study.metrics[m]->name)] =
-            json_array(measure::metric::quantile_statistics,
-                       [&](const measure::metric::Statistic& q) { return number_json(q.of(s.metrics[m])); });
+        statistics[std::string(study.metrics[m]->name)] = json_array(
+            measure::metric::quantile_statistics,
+            [&](const measure::metric::Statistic& statistic) { return number_json(statistic.of(summary.metrics[m])); });
     }
     return statistics;
 }
 
-Json summary_json(const MapStudy& study, const TestedForm& tested_form, const FormSummary& s, std::size_t group,
+Json summary_json(const MapStudy& study, const TestedForm& tested_form, const FormSummary& summary, std::size_t group,
                   const std::string& scene_with_size) {
     const FloatFormat& format = tested_form.format.parameters;
-    const measure::evaluate::WorstRay* const worst = s.worst_ray();
+    const measure::evaluate::WorstRay* const worst = summary.worst_ray();
     return {// the row
             {"form", tested_form.form->info->name},
             {"format", tested_form.format.name},
@@ -268,9 +270,9 @@ Json summary_json(const MapStudy& study, const TestedForm& tested_form, const Fo
             {"group", group},
 
             // its results
-            {"outcomes", s.outcomes},
-            {"true_hits", s.true_hits},
-            {"statistics", statistics_json(study, s)},
+            {"outcomes", summary.outcomes},
+            {"true_hits", summary.true_hits},
+            {"statistics", statistics_json(study, summary)},
             {"worst_explain",
              worst ? attribution::explain_command(
                          attribution::explain_pixel_arguments(scene_with_size, static_cast<int>(worst->x), worst->y),

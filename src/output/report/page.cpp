@@ -90,7 +90,7 @@ Json index_json(const Report& report) {
         return Json{{"id", s.id},
                     {"title", s.title},
                     {"note", s.note},
-                    {"kind", kind_names[s.kind]},
+                    {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
                     {"charts", json_array(s.charts, [](const Chart& c) { return c.name; })},
                     {"rows", s.tested_form_names}};
     });

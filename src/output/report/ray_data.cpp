@@ -112,7 +112,7 @@ std::vector<ChosenRay> choose_rays(const FormSummary& summary, std::span<const f
     for (const measure::answer::Outcome wrong : measure::answer::wrong_decisions) {
         if (const auto* const first = summary.first_of(wrong))
             add(first->x, first->y,
-                fmt::format("{}: the first", measure::answer::outcome_names[wrong]));
+                fmt::format("{}: the first", measure::answer::outcome_names[static_cast<std::size_t>(wrong)]));
     }
     if (summary.worst.x >= 0) add(summary.worst.x, summary.worst.y, "largest error");
 

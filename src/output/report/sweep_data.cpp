@@ -80,13 +80,13 @@ Json sweep_json(const SweepRequest& request, const std::vector<measure::sweep::S
         [&](std::size_t r, std::size_t k) -> const FormSummary& { return steps[k].summaries[r]; },
         [&](Json& row, std::size_t r) {
             Json& row_onsets = row["onsets"] = Json::array();
-            for (const Onset& o : onsets) {
-                if (o.form_index != r || !o.found) continue;
-                const auto spread = o.spread();
+            for (const Onset& onset : onsets) {
+                if (onset.form_index != r || !onset.found) continue;
+                const auto spread = onset.spread();
                 row_onsets.push_back(
-                    Json::array({o.event, o.statistic, number_json(o.threshold),
-                                 o.happens_at_start ? Json() : number_json(o.last_good), number_json(o.first_bad),
-                                 number_json(spread.low), number_json(spread.high)}));
+                    Json::array({onset.event, onset.statistic, number_json(onset.threshold),
+                                 onset.happens_at_start ? Json() : number_json(onset.last_good),
+                                 number_json(onset.first_bad), number_json(spread.low), number_json(spread.high)}));
             }
         });
 }
@@ -129,8 +129,8 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
             });
             row["judged"] = intersect::convention_name(request.tested_forms[r].touching);
             row["verdicts"] = json_array(cases, [&](const std::vector<FormSummary>& case_summaries) {
-                return measure::sweep::verdict_names[
-                    measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits)];
+                return measure::sweep::verdict_names[static_cast<std::size_t>(
+                    measure::sweep::verdict_of(case_summaries[r], request.metrics, file.right_within_bits))];
             });
         });
 }
@@ -138,11 +138,11 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
 namespace {
 
 /// `427 (400 to 510)`: the onset in the file's own draw, and its range over all draws.
-std::string onset_text(const Onset& o) {
-    const auto spread = o.spread();
-    return spread.low == spread.high ? number_html(o.first_bad)
-                                     : fmt::format("{} ({} to {})", number_html(o.first_bad), number_html(spread.low),
-                                                   number_html(spread.high));
+std::string onset_text(const Onset& onset) {
+    const auto spread = onset.spread();
+    return spread.low == spread.high ? number_html(onset.first_bad)
+                                     : fmt::format("{} ({} to {})", number_html(onset.first_bad),
+                                                   number_html(spread.low), number_html(spread.high));
 }
 
 /// Number of rays among which a first failure was found, and number of draws.
@@ -186,7 +186,8 @@ std::vector<EventColumn> event_columns(const std::vector<Onset>& onsets) {
     std::erase_if(columns, [&onsets](const EventColumn& column) {
         return (std::string_view(column.event) == "wrong_primitive" ||
                 std::string_view(column.event) == "not_a_number") &&
-               std::ranges::none_of(onsets, [&column](const Onset& o) { return o.found && o.event == column.event; });
+               std::ranges::none_of(
+                   onsets, [&column](const Onset& onset) { return onset.found && onset.event == column.event; });
     });
     return columns;
 }

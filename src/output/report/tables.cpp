@@ -64,8 +64,9 @@ std::string summary_table_head(const std::vector<ShownColumn>& count_columns) {
 }
 
 /// Cell with a link to the pixel of the worst ray; a dash if every ray is a correct miss.
-std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s) {
-    const measure::evaluate::WorstRay* const worst = s.worst_ray();
+std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& tested_form,
+                             const FormSummary& summary) {
+    const measure::evaluate::WorstRay* const worst = summary.worst_ray();
     if (worst == nullptr) return "<td>&ndash;</td>";
     return fmt::format(
         "<td><a class=\"jump\" href=\"#scene-{}\" "
@@ -75,8 +76,9 @@ std::string worst_pixel_cell(const scene::file::Scene& scene, const TestedForm& 
 }
 
 /// Row of a form and format in the table of a map. `value(name)` is the value of the column `name` of summary.csv.
-std::string summary_table_row(const scene::file::Scene& scene, const TestedForm& tested_form, const FormSummary& s,
-                              const std::vector<ShownColumn>& count_columns, const auto& value) {
+std::string summary_table_row(const scene::file::Scene& scene, const TestedForm& tested_form,
+                              const FormSummary& summary, const std::vector<ShownColumn>& count_columns,
+                              const auto& value) {
     std::string text = fmt::format("<tr data-row=\"{}\"><th scope=\"row\">{}</th><td>{}</td>",
                                    html(map::tested_form_name(tested_form)), html(tested_form.form->info->name),
                                    tested_form.format.name);
@@ -84,16 +86,16 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
     // Numbers of rays with each outcome.
     for (const ShownColumn& count_column : count_columns)
         text += fmt::format("<td class=\"n\">{}</td>", static_cast<std::uint64_t>(value(count_column.column)));
-    text += fmt::format("<td class=\"n\">{}</td>", s.count(measure::answer::Outcome::agree_hit));
+    text += fmt::format("<td class=\"n\">{}</td>", summary.count(measure::answer::Outcome::agree_hit));
 
     // Quantiles are withheld if too few hits agree.
-    if (s.true_hits > 0 && !s.agreement().is_enough()) {
-        text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", s.agreement().too_few_text());
+    if (summary.true_hits > 0 && !summary.agreement().is_enough()) {
+        text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", summary.agreement().too_few_text());
     } else {
         for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
             text += fmt::format("<td class=\"n\">{}</td>", number_html(value(name)));
     }
-    return text + worst_pixel_cell(scene, tested_form, s) + "</tr>\n";
+    return text + worst_pixel_cell(scene, tested_form, summary) + "</tr>\n";
 }
 
 }  // namespace
@@ -237,7 +239,7 @@ std::string offset_overview(const std::vector<StudySection>& parts) {
         for (std::size_t k = 0; k < strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*strategies[k])));
             for (const StudySection& p : parts)
-                text += fraction_cell(p.wrong_fractions[side][k]);
+                text += fraction_cell(p.wrong_fractions[static_cast<std::size_t>(side)][k]);
             text += "</tr>\n";
         }
         text += end_table;

@@ -60,7 +60,7 @@ Json colour_json(const image::Rgb8& c) { return Json::array({c.r, c.g, c.b}); }
 Json scale_json(const image::ColourScale& scale) {
     return {{"lo", number_json(scale.lo())},
             {"hi", number_json(scale.hi())},
-            {"spacing", image::spacing_names[scale.spacing()]},
+            {"spacing", image::spacing_names[static_cast<std::size_t>(scale.spacing())]},
             {"ticks", json_array(scale.ticks(7), [](const image::ColourScale::Tick& tick) {
                  return Json::array({number_json(tick.position), tick.label});
              })}};

@@ -48,7 +48,7 @@ table::Table<CaseRow> case_table(const CaseRequest& request) {
              "right ({}), within_inputs (every decision is right, and every answer is {}: half an ulp in each input "
              "would cost the remaining bits), wrong_value, or the most frequent wrong decision",
              right_meaning(request.file), within_meaning(request.file)),
-         [](const R& r) { return measure::sweep::verdict_names[r.verdict]; }}};
+         [](const R& r) { return measure::sweep::verdict_names[static_cast<std::size_t>(r.verdict)]; }}};
     return table.add(summary, &R::summary);
 }
 
@@ -58,44 +58,44 @@ struct CellLook {
     const map::LostBitsScale& scale;
     const FloatFormat& format;
 
-    [[nodiscard]] plot::MatrixCell cell(const FormSummary& s, Verdict verdict) const {
+    [[nodiscard]] plot::MatrixCell cell(const FormSummary& summary, Verdict verdict) const {
         switch (verdict) {
             case Verdict::right: return {case_right_colour, {}};
-            case Verdict::within_inputs: return within_inputs_cell(s);
-            case Verdict::wrong_value: return lost_bits_cell(s);
-            case Verdict::false_hit: return wrong_cell(s, Outcome::false_hit);
-            case Verdict::false_miss: return wrong_cell(s, Outcome::false_miss);
-            case Verdict::not_a_number: return wrong_cell(s, Outcome::not_a_number);
-            case Verdict::wrong_primitive: return wrong_cell(s, Outcome::wrong_primitive);
+            case Verdict::within_inputs: return within_inputs_cell(summary);
+            case Verdict::wrong_value: return lost_bits_cell(summary);
+            case Verdict::false_hit: return wrong_cell(summary, Outcome::false_hit);
+            case Verdict::false_miss: return wrong_cell(summary, Outcome::false_miss);
+            case Verdict::not_a_number: return wrong_cell(summary, Outcome::not_a_number);
+            case Verdict::wrong_primitive: return wrong_cell(summary, Outcome::wrong_primitive);
             case Verdict::unresolved: break;
         }
-        return wrong_cell(s, Outcome::unresolved);
+        return wrong_cell(summary, Outcome::unresolved);
     }
 
 private:
     /// A cell in the colour of a wrong outcome. If only some of the rays have the outcome, the cell gives their number.
-    [[nodiscard]] static plot::MatrixCell wrong_cell(const FormSummary& s, Outcome o) {
-        const std::uint64_t n = s.count(o);
-        return {image::outcome_colours[o],
-                n < s.rays ? fmt::format("{}/{}", n, s.rays) : std::string()};
+    [[nodiscard]] static plot::MatrixCell wrong_cell(const FormSummary& summary, Outcome o) {
+        const std::uint64_t n = summary.count(o);
+        return {image::outcome_colours[static_cast<std::size_t>(o)],
+                n < summary.rays ? fmt::format("{}/{}", n, summary.rays) : std::string()};
     }
 
-    [[nodiscard]] double max_lost_bits(const FormSummary& s) const {
-        return s.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
+    [[nodiscard]] double max_lost_bits(const FormSummary& summary) const {
+        return summary.metrics[measure::metric::index_of(metrics, "lost_bits")].quantile(1);
     }
 
-    [[nodiscard]] plot::MatrixCell lost_bits_cell(const FormSummary& s) const {
-        const double lost_bits = max_lost_bits(s);
+    [[nodiscard]] plot::MatrixCell lost_bits_cell(const FormSummary& summary) const {
+        const double lost_bits = max_lost_bits(summary);
         return {scale.colour(lost_bits, format), fmt::format("{:.0f} b", lost_bits)};
     }
 
     /// A paler cell, which also gives the bits that the inputs cost if they were measured.
-    [[nodiscard]] plot::MatrixCell within_inputs_cell(const FormSummary& s) const {
-        const double lost_bits = max_lost_bits(s);
+    [[nodiscard]] plot::MatrixCell within_inputs_cell(const FormSummary& summary) const {
+        const double lost_bits = max_lost_bits(summary);
         const std::size_t inherent_index = measure::metric::index_of(metrics, "inherent_bits");
         return {map::make_paler(scale.colour(lost_bits, format)),
                 inherent_index < metrics.size()
-                    ? fmt::format("{:.0f}/{:.0f} b", lost_bits, s.metrics[inherent_index].quantile(1))
+                    ? fmt::format("{:.0f}/{:.0f} b", lost_bits, summary.metrics[inherent_index].quantile(1))
                     : fmt::format("{:.0f} b", lost_bits)};
     }
 };
@@ -132,7 +132,7 @@ void add_outcomes_to_legend(plot::MatrixPlotSpec& spec, const std::vector<std::v
             return std::ranges::any_of(row_order, [&](std::size_t r) { return rows[r].count(o) > 0; });
         });
         if (occurs)
-            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[o], {}});
+            spec.legend.push_back({map::outcome_in_words(o), image::outcome_colours[static_cast<std::size_t>(o)], {}});
     }
 }
 
@@ -153,8 +153,8 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
     add_outcomes_to_legend(spec, cases, row_order);
 
     // A line of cells for each case.
-    const auto cell_of = [&](const FormSummary& s, Verdict verdict, const FloatFormat& format) {
-        return CellLook{request.metrics, scale, format}.cell(s, verdict);
+    const auto cell_of = [&](const FormSummary& summary, Verdict verdict, const FloatFormat& format) {
+        return CellLook{request.metrics, scale, format}.cell(summary, verdict);
     };
     bool has_wrong_value = false;
     bool has_within_inputs = false;

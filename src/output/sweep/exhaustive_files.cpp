@@ -69,7 +69,7 @@ std::string float_bits(std::uint32_t float_index) {
 
 std::string hex_of(std::uint32_t float_index) { return file::hex(static_cast<double>(float_at(float_index))); }
 
-std::string_view outcome_name(Outcome o) { return measure::answer::outcome_names[o]; }
+std::string_view outcome_name(Outcome o) { return measure::answer::outcome_names[static_cast<std::size_t>(o)]; }
 
 /// Columns that identify a row in each table.
 Table<FloatsRow> subject_columns() {

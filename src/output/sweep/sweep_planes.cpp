@@ -31,13 +31,13 @@ struct Layer {
 
 std::vector<Layer> make_layers(const SweepRequest& request) {
     const auto quantile = [&](const char* metric, double q) {
-        return [i = measure::metric::index_of(request.metrics, metric), q](const FormSummary& s) {
-            return static_cast<float>(s.metrics[i].quantile(q));
+        return [i = measure::metric::index_of(request.metrics, metric), q](const FormSummary& summary) {
+            return static_cast<float>(summary.metrics[i].quantile(q));
         };
     };
     const auto fraction = [](Outcome o) {
-        return [o](const FormSummary& s) {
-            return static_cast<float>(static_cast<double>(s.count(o)) / static_cast<double>(s.rays));
+        return [o](const FormSummary& summary) {
+            return static_cast<float>(static_cast<double>(summary.count(o)) / static_cast<double>(summary.rays));
         };
     };
 
@@ -142,7 +142,7 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
             } else {
                 const Outcome worst_outcome = s.most_frequent_wrong_decision().value();
                 cell.colour = pixel::colour_of(worst_outcome);
-                ++drawn.counts.outcomes[worst_outcome];
+                ++drawn.counts.outcomes[static_cast<std::size_t>(worst_outcome)];
             }
 
             drawn.cells.push_back(cell);

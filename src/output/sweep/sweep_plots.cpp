@@ -34,8 +34,8 @@ plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name) 
     return {.title = fmt::format("lost bits, of {} in {}", precision, name), .low = 0.0, .limit = precision};
 }
 
-double wrong_fraction(const FormSummary& s) {
-    return static_cast<double>(s.wrong_count()) / static_cast<double>(s.rays);
+double wrong_fraction(const FormSummary& summary) {
+    return static_cast<double>(summary.wrong_count()) / static_cast<double>(summary.rays);
 }
 
 namespace {
@@ -154,22 +154,25 @@ image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, d
     const SweepRequest& request = sweep.request;
     const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
                       inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
-    Quantity quantity{.title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
-                      .axis = lost_bits_axis(format.parameters, format.name),
-                      .value = [lost_index, q](const FormSummary& s) { return drawn_quantile(s, lost_index, q); },
-                      .is_over_hits = true};
+    Quantity quantity{
+        .title = fmt::format("Lost bits, {}", q == 0.5 ? "median" : "99th percentile"),
+        .axis = lost_bits_axis(format.parameters, format.name),
+        .value = [lost_index, q](const FormSummary& summary) { return drawn_quantile(summary, lost_index, q); },
+        .is_over_hits = true};
     if (inherent_index < request.metrics.size())
-        quantity.envelope = [inherent_index, q](const FormSummary& s) { return drawn_quantile(s, inherent_index, q); };
+        quantity.envelope = [inherent_index, q](const FormSummary& summary) {
+            return drawn_quantile(summary, inherent_index, q);
+        };
     return line_chart(sweep, format, quantity, size);
 }
 
 image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
-    const auto outcome_fraction = [outcome](const FormSummary& s) {
-        return measure::truth::fraction(s.count(outcome), s.rays);
+    const auto outcome_fraction = [outcome](const FormSummary& summary) {
+        return measure::truth::fraction(summary.count(outcome), summary.rays);
     };
     std::uint64_t max_rays = 1;
     for (const SweepStep& step : sweep.steps) {
-        for (const FormSummary& s : step.summaries) max_rays = std::max(max_rays, s.rays);
+        for (const FormSummary& summary : step.summaries) max_rays = std::max(max_rays, summary.rays);
     }
     // The axis begins at half the fraction of one ray, so only a fraction of 0 lies below it.
     Quantity quantity{.title = outcome_title(outcome),
@@ -180,7 +183,7 @@ image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Out
                                .shows_zero = true},
                       .value = outcome_fraction};
 
-    const auto truly_misses = [](const FormSummary& s) { return s.true_misses() > 0; };
+    const auto truly_misses = [](const FormSummary& summary) { return summary.true_misses() > 0; };
     const bool is_possible =
         outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
             return std::ranges::any_of(step.summaries, truly_misses);
@@ -236,12 +239,12 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, con
     // A line for each part, with a mark where it first reaches an ulp.
     for (const auto& [metric, label] : parts) {
         const std::size_t metric_index = measure::metric::index_of(request.metrics, metric);
-        spec.series.push_back(make_series(sweep.steps, form_index, label, [metric_index](const FormSummary& s) {
-            return drawn_quantile(s, metric_index, 0.5);
+        spec.series.push_back(make_series(sweep.steps, form_index, label, [metric_index](const FormSummary& summary) {
+            return drawn_quantile(summary, metric_index, 0.5);
         }));
-        for (const Onset& o : sweep.onsets)
-            if (o.found && !o.happens_at_start && o.form_index == form_index && o.event == metric)
-                spec.marks.push_back({o.first_bad, label + ": 1 ulp"});
+        for (const Onset& onset : sweep.onsets)
+            if (onset.found && !onset.happens_at_start && onset.form_index == form_index && onset.event == metric)
+                spec.marks.push_back({onset.first_bad, label + ": 1 ulp"});
     }
 
     for (const auto& mark : request.sweep.marks) {
@@ -270,13 +273,13 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
     if (stop_index == request.metrics.size()) return;
 
     // Fraction of marches that ran out of steps or stopped moving.
-    const auto unfinished = [stop_index](const FormSummary& s) {
+    const auto unfinished = [stop_index](const FormSummary& summary) {
         const auto count_of = [&](intersect::StopReason reason) {
-            return s.categories[stop_index][reason];
+            return summary.categories[stop_index][static_cast<std::size_t>(reason)];
         };
         return static_cast<double>(count_of(intersect::StopReason::max_steps) +
                                    count_of(intersect::StopReason::stagnated)) /
-               static_cast<double>(s.rays);
+               static_cast<double>(summary.rays);
     };
     save("unfinished", line_chart(sweep, format,
                                   {.title = "Marches that did not finish",
@@ -285,13 +288,14 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
                                    .shows = is_marching}));
 
     // Number of samples of the field.
-    save("iterations",
-         line_chart(
-             sweep, format,
-             {.title = "Samples of the field, 99th percentile",
-              .axis = {.title = "samples", .scale = plot::AxisSpec::Scale::log2, .low = 1.0},
-              .value = [iterations_index](const FormSummary& s) { return s.metrics[iterations_index].quantile(0.99); },
-              .shows = is_marching}));
+    save("iterations", line_chart(sweep, format,
+                                  {.title = "Samples of the field, 99th percentile",
+                                   .axis = {.title = "samples", .scale = plot::AxisSpec::Scale::log2, .low = 1.0},
+                                   .value =
+                                       [iterations_index](const FormSummary& summary) {
+                                           return summary.metrics[iterations_index].quantile(0.99);
+                                       },
+                                   .shows = is_marching}));
 
     // Errors of each form, split into those of the model and those of rounding.
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
@@ -338,8 +342,8 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
                     fraction_axis);
     spec.subtitle.back() += "; an operation's share of the rays that have a culprit";
     const auto add = [&](const std::string& label, std::span<const std::size_t> categories) {
-        spec.series.push_back(make_series(sweep.steps, form_index, label, [&](const FormSummary& s) {
-            return measure::attribution::culprit_fraction(s.categories[culprit_metric], categories);
+        spec.series.push_back(make_series(sweep.steps, form_index, label, [&](const FormSummary& summary) {
+            return measure::attribution::culprit_fraction(summary.categories[culprit_metric], categories);
         }));
     };
 
@@ -381,7 +385,7 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
         save("lost_bits_p50", lost_bits_plot(sweep, format, 0.5));
         save("lost_bits_p99", lost_bits_plot(sweep, format, 0.99));
         for (const Outcome o : wrong_outcomes(sweep, format))
-            save(std::string(measure::answer::outcome_names[o]),
+            save(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)]),
                  outcome_plot(sweep, format, o));
         write_march_plots(save, sweep, format);
 

@@ -30,7 +30,7 @@ plot::AxisSpec plot_axis(const scene::sweep::Axis& axis);
 /// Axis of lost bits in the format called `name`: `lost bits, of 24 in f32`.
 plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name);
 /// Fraction of the rays that have a wrong decision or NaN.
-double wrong_fraction(const FormSummary& s);
+double wrong_fraction(const FormSummary& summary);
 
 /// Writes the pictures of a sweep. For one axis: `lost_bits_p50.<format>.png` and `lost_bits_p99.<format>.png` with
 /// every form, the conditioning envelope (inherent bits, if the request measures them) and the sweep's own marks;
@@ -94,7 +94,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
                        const std::vector<SweepStep>& steps);
 
 /// Quantile of a metric over agreed hits; NaN, a gap in the line, if too few hits agree.
-[[nodiscard]] double drawn_quantile(const FormSummary& s, std::size_t metric, double q);
+[[nodiscard]] double drawn_quantile(const FormSummary& summary, std::size_t metric, double q);
 /// Meaning of a gap, here and on the page.
 [[nodiscard]] std::string gap_text();
 

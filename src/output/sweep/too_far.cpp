@@ -31,8 +31,9 @@ bool is_too_far(const scene::sweep::SweepFile& sweep, const FloatFormat& format,
 
 }  // namespace
 
-double drawn_quantile(const FormSummary& s, std::size_t metric, double q) {
-    return s.agreement().is_enough() ? s.metrics[metric].quantile(q) : std::numeric_limits<double>::quiet_NaN();
+double drawn_quantile(const FormSummary& summary, std::size_t metric, double q) {
+    return summary.agreement().is_enough() ? summary.metrics[metric].quantile(q)
+                                           : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::string gap_text() {

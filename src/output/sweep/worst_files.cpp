@@ -97,7 +97,7 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
     // The worst ray: how bad it is, the answer, and the ray itself.
     table::Table<W> columns{
         {"outcome", "outcome of the worst ray",
-         [](const W& w) { return measure::answer::outcome_names[w.outcome]; }},
+         [](const W& w) { return measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]; }},
         {std::string(metric.name), std::string(metric.unit),
          "value for the worst ray; missing if its decision is wrong",
          [](const W& w) { return table::when(w.outcome == Outcome::agree_hit, w.value); }},
@@ -125,7 +125,7 @@ std::string worst_case_text(const WorstRequest& request, const measure::evaluate
     const bool is_agreed_hit = w.outcome == Outcome::agree_hit;
     std::string result_text = is_agreed_hit
                                   ? fmt::format("{} {:.6g}", request.search.metric, w.value)
-                                  : std::string(measure::answer::outcome_names[w.outcome]);
+                                  : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
     if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", w.distance);
     return case_text(fmt::format("{} in {}: {}", tested_form.form->info->name, tested_form.format.name, result_text),
                      make_worst_group(w));
@@ -162,7 +162,7 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
 namespace {
 
 std::string searched_name(std::size_t outcome) {
-    return std::string(measure::answer::outcome_names[searched_outcomes.at(outcome)]);
+    return std::string(measure::answer::outcome_names[static_cast<std::size_t>(searched_outcomes.at(outcome))]);
 }
 
 struct NearestRow {

@@ -15,11 +15,11 @@ table::Table<KernelKey> kernel_columns(const std::string& meaning_of_form) {
 }
 
 table::Table<Timing> time_columns(const std::string& median_meaning, const std::string& quartile_prefix) {
-    return {
-        {"time_ns", "ns", median_meaning, [](const Timing& t) { return t.median * 1e9; }},
-        {"time_ns_q1", "ns", quartile_prefix + "first quartile", [](const Timing& t) { return t.low_quartile * 1e9; }},
-        {"time_ns_q3", "ns", quartile_prefix + "third quartile",
-         [](const Timing& t) { return t.high_quartile * 1e9; }}};
+    return {{"time_ns", "ns", median_meaning, [](const Timing& timing) { return timing.median * 1e9; }},
+            {"time_ns_q1", "ns", quartile_prefix + "first quartile",
+             [](const Timing& timing) { return timing.low_quartile * 1e9; }},
+            {"time_ns_q3", "ns", quartile_prefix + "third quartile",
+             [](const Timing& timing) { return timing.high_quartile * 1e9; }}};
 }
 
 std::size_t colour_of(const Format& format) { return format.engine == Format::Engine::native64 ? 1 : 0; }

@@ -127,8 +127,9 @@ Table<ParetoRow> pareto_table() {
 namespace {
 
 const measure::metric::Distribution& find_metric_values(const TradeRequest& request,
-                                                        const measure::evaluate::FormSummary& s, const char* name) {
-    return s.metrics[measure::metric::index_of(request.metrics, name)];
+                                                        const measure::evaluate::FormSummary& summary,
+                                                        const char* name) {
+    return summary.metrics[measure::metric::index_of(request.metrics, name)];
 }
 
 /// Sentences on how the times were measured.
@@ -188,12 +189,15 @@ std::vector<ScatterPlotSpec::Key> legend_keys(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
     // The colours of the formats, and the markers of the register widths.
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
-        const auto has_engine = [engine = engine](const TradeKernel& k) { return k.measured.format.engine == engine; };
+        const auto has_engine = [engine = engine](const TradeKernel& kernel) {
+            return kernel.measured.format.engine == engine;
+        };
         if (std::ranges::any_of(request.kernels, has_engine))
             keys.push_back({name, 0, colour_of(std::ranges::find_if(request.kernels, has_engine)->measured.format)});
     }
     for (const KernelMarker& mark : kernel_markers) {
-        if (std::ranges::any_of(request.kernels, [&mark](const TradeKernel& k) { return has_marker(k, mark); }))
+        if (std::ranges::any_of(request.kernels,
+                                [&mark](const TradeKernel& kernel) { return has_marker(kernel, mark); }))
             keys.push_back({mark.label, mark.marker, plot::ink_colour});
     }
 
@@ -363,7 +367,7 @@ void TradeWriter::finish(const TradeResult& result) {
     table::close_tables(folder_,
                         request_.scene ? fmt::format("Speed against accuracy on {}", request_.scene->id)
                                        : fmt::format("Speed against accuracy of the {} forms",
-                                                     shape_names[request_.shape]),
+                                                     shape_names[static_cast<std::size_t>(request_.shape)]),
                         times_, pareto_);
 }
 

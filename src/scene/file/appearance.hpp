@@ -16,7 +16,7 @@ namespace lostbits::scene::file {
 /// The stages of a picture, each on top of the previous stage (the steps of the course notes Ray-Casting Formulas).
 enum class Stage : std::uint8_t { visible, diffuse, shadows, phong };
 inline constexpr std::array<std::string_view, 4> stage_names{"visible", "diffuse", "shadows", "phong"};
-inline std::string_view name_of(Stage stage) { return stage_names[stage]; }
+inline std::string_view name_of(Stage stage) { return stage_names[static_cast<std::size_t>(stage)]; }
 
 /// A sphere's paint. Colours are display numbers, 0 to 1 for each channel. The byte of the picture is 255 times the
 /// number, rounded, with no gamma in between. Coefficients are not negative.

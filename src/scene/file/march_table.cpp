@@ -56,22 +56,22 @@ MarchConstants<Real> read_march(TableReader table, InputRounding inputs) {
     return constants;
 }
 
-MarchConstants<double> round_march(const MarchConstants<Real>& ideal, const FloatFormat& f) {
-    return convert_numbers(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
+MarchConstants<double> round_march(const MarchConstants<Real>& ideal, const FloatFormat& format) {
+    return convert_numbers(ideal, [&format](const Real& x) { return toml::round_to_format(x, format); });
 }
 
-MarchConstants<double> round_march(const MarchConstants<double>& constants, const FloatFormat& f) {
-    return convert_numbers(constants, [&f](double x) { return rounding::to_format(x, 0, f); });
+MarchConstants<double> round_march(const MarchConstants<double>& constants, const FloatFormat& format) {
+    return convert_numbers(constants, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
-std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& f) {
+std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& format) {
     std::vector<std::string> lost;
     if (!scene.march) return lost;
     const bool is_shared = scene.inputs == InputRounding::shared;
     std::size_t i = 0;
     convert_numbers(*scene.march, [&](const Real& ideal) {
         const double stored = toml::round_to_format(ideal, is_shared ? binary32 : binary64),
-                     rounded = rounding::to_format(stored, 0, f);
+                     rounded = rounding::to_format(stored, 0, format);
         const std::string_view name = intersect::march_number_names[i++];
         if (stored != 0 && (rounded == 0 || std::isinf(rounded)))
             lost.push_back(fmt::format("{} = {:g} rounds to {}", name, stored, rounded == 0 ? "0" : "infinity"));

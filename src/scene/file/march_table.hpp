@@ -17,11 +17,12 @@ namespace lostbits::scene::file {
 intersect::MarchConstants<Real> read_march(toml::TableReader table, InputRounding inputs);
 
 /// Rounds each constant once to F.
-intersect::MarchConstants<double> round_march(const intersect::MarchConstants<Real>& ideal, const FloatFormat& f);
-intersect::MarchConstants<double> round_march(const intersect::MarchConstants<double>& constants, const FloatFormat& f);
+intersect::MarchConstants<double> round_march(const intersect::MarchConstants<Real>& ideal, const FloatFormat& format);
+intersect::MarchConstants<double> round_march(const intersect::MarchConstants<double>& constants,
+                                              const FloatFormat& format);
 
 /// The constants that F rounds to 0 or infinity, in words: "hit_eps = 1e-09 rounds to 0". A form receives these
 /// constants anyway, and the measurement shows what the form makes of them.
-std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& f);
+std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& format);
 
 }  // namespace lostbits::scene::file

@@ -274,8 +274,8 @@ std::vector<Primitive<Real>> Scene::primitives() const {
     std::vector<Primitive<Real>> all = listed;
     if (flake) {
         sphere::require_memory_for(*flake);
-        sphere::for_each_primitive(*flake, [&all](const Primitive<double>& s) {
-            all.push_back(convert_numbers(s, [](double x) { return Real(x); }));
+        sphere::for_each_primitive(*flake, [&all](const Primitive<double>& primitive) {
+            all.push_back(convert_numbers(primitive, [](double x) { return Real(x); }));
         });
     }
     for (std::size_t i = 0; mesh && i < mesh->faces.size(); ++i) {

@@ -96,7 +96,7 @@ struct NamedShapes {
         for (const ShapeRow& shape_row : shape_rows) all.push_back({shape_row.shape});
         for (const KnownName& known : known_names())
             if (known.shape && std::ranges::find(names, known.name) != names.end())
-                all[*known.shape].slots.insert(known.slot);
+                all[static_cast<std::size_t>(*known.shape)].slots.insert(known.slot);
         const auto best_match = std::ranges::max_element(
             all, {}, [](const NamedNumbers& n) { return std::pair(n.are_complete(), n.slots.size()); });
         if (!best_match->slots.empty()) chosen = best_match->shape;
@@ -104,8 +104,8 @@ struct NamedShapes {
     /// True if a number of the shape `other` is only a column of the user's own: the chosen shape is complete, and
     /// `other` is not.
     [[nodiscard]] bool is_users_own(Shape other) const {
-        return other != chosen && all[*chosen].are_complete() &&
-               !all[other].are_complete();
+        return other != chosen && all[static_cast<std::size_t>(*chosen)].are_complete() &&
+               !all[static_cast<std::size_t>(other)].are_complete();
     }
 };
 

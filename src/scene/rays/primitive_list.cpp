@@ -7,11 +7,11 @@ namespace lostbits::scene::rays {
 namespace {
 
 template <class T>
-std::array<std::vector<T>, 4> make_sphere_columns(const sphere::Sphereflake& flake, const FloatFormat& f) {
+std::array<std::vector<T>, 4> make_sphere_columns(const sphere::Sphereflake& flake, const FloatFormat& format) {
     std::array<std::vector<T>, 4> columns;
     for (std::vector<T>& column : columns) column.reserve(flake.size());
     sphere::for_each_primitive(flake, [&](const Primitive<double>& primitive) {
-        const Primitive<double> stored = round_primitive(primitive, f);
+        const Primitive<double> stored = round_primitive(primitive, format);
         for (std::size_t k = 0; k < 4; ++k) columns[k].push_back(static_cast<T>(stored.numbers[k]));
     });
     return columns;
@@ -30,16 +30,16 @@ PrimitiveList<S> make_list_with_flake_and_mesh(std::vector<Primitive<S>> listed,
 }
 
 template <class S>
-PrimitiveList<double> round_list(const PrimitiveList<S>& primitives, const FloatFormat& f) {
+PrimitiveList<double> round_list(const PrimitiveList<S>& primitives, const FloatFormat& format) {
     std::vector<Primitive<double>> listed;
     for (const Primitive<S>& primitive : primitives.listed_primitives())
-        listed.push_back(round_primitive(primitive, f));
+        listed.push_back(round_primitive(primitive, format));
     const FloatFormat& stored_format =
         primitives.flake_and_mesh().inputs == file::InputRounding::shared ? binary32 : binary64;
-    const bool holds_stored =
-        f.precision >= stored_format.precision && f.emin <= stored_format.emin && f.emax >= stored_format.emax;
+    const bool holds_stored = format.precision >= stored_format.precision && format.emin <= stored_format.emin &&
+                              format.emax >= stored_format.emax;
     const auto& [flake, mesh, inputs] = primitives.flake_and_mesh();
-    return {std::move(listed), {flake, mesh, inputs}, holds_stored ? std::nullopt : std::optional(f)};
+    return {std::move(listed), {flake, mesh, inputs}, holds_stored ? std::nullopt : std::optional(format)};
 }
 
 }  // namespace
@@ -95,11 +95,11 @@ PrimitiveList<Real> make_ideal_primitive_list(const file::Scene& scene) {
     return make_list_with_flake_and_mesh(scene.listed, scene);
 }
 
-PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& f) {
-    return round_list(primitives, f);
+PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& format) {
+    return round_list(primitives, format);
 }
-PrimitiveList<double> round_primitives(const PrimitiveList<Real>& primitives, const FloatFormat& f) {
-    return round_list(primitives, f);
+PrimitiveList<double> round_primitives(const PrimitiveList<Real>& primitives, const FloatFormat& format) {
+    return round_list(primitives, format);
 }
 
 }  // namespace lostbits::scene::rays

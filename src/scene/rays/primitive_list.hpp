@@ -164,7 +164,7 @@ PrimitiveList<double> primitive_list_of(const RayGroup& group);
 PrimitiveList<Real> make_ideal_primitive_list(const file::Scene& scene);
 
 /// Rounds every number once to F.
-PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& f);
-PrimitiveList<double> round_primitives(const PrimitiveList<Real>& primitives, const FloatFormat& f);
+PrimitiveList<double> round_primitives(const PrimitiveList<double>& primitives, const FloatFormat& format);
+PrimitiveList<double> round_primitives(const PrimitiveList<Real>& primitives, const FloatFormat& format);
 
 }  // namespace lostbits::scene::rays

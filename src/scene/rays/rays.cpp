@@ -118,18 +118,19 @@ IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) {
     return block;
 }
 
-RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f) {
-    RayBlock result = ideal.made ? ideal.made->rounded_rays(f, ideal.y0, ideal.y1)
-                                 : round_components(ideal, [&f](const Real& x) { return toml::round_to_format(x, f); });
-    round_ranges(ideal, result, [&f](double t) { return rounding::to_format(t, 0, f); });
+RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& format) {
+    RayBlock result =
+        ideal.made ? ideal.made->rounded_rays(format, ideal.y0, ideal.y1)
+                   : round_components(ideal, [&format](const Real& x) { return toml::round_to_format(x, format); });
+    round_ranges(ideal, result, [&format](double t) { return rounding::to_format(t, 0, format); });
     return result;
 }
 
-RayBlock round_block(const RayBlock& block, const FloatFormat& f) {
+RayBlock round_block(const RayBlock& block, const FloatFormat& format) {
     // A picture has millions of numbers, and the machine itself rounds to binary32.
-    const bool rounds_by_machine = f == binary32;
-    const auto round = [&f, rounds_by_machine](double x) {
-        return rounds_by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, f);
+    const bool rounds_by_machine = format == binary32;
+    const auto round = [&format, rounds_by_machine](double x) {
+        return rounds_by_machine ? static_cast<double>(static_cast<float>(x)) : rounding::to_format(x, 0, format);
     };
     RayBlock result = round_components(block, round);
     round_ranges(block, result, round);
@@ -140,24 +141,24 @@ std::vector<Primitive<double>> shared_primitives(const Scene& scene) {
     return round_primitives(make_shared_primitive_list(scene), binary32).all();
 }
 
-std::vector<Primitive<double>> stored_primitives(const Scene& scene, const FloatFormat& f) {
+std::vector<Primitive<double>> stored_primitives(const Scene& scene, const FloatFormat& format) {
     if (scene.inputs == file::InputRounding::shared) return shared_primitives(scene);
     std::vector<Primitive<double>> stored;
-    for (const Primitive<Real>& primitive : scene.primitives()) stored.push_back(round_primitive(primitive, f));
+    for (const Primitive<Real>& primitive : scene.primitives()) stored.push_back(round_primitive(primitive, format));
     return stored;
 }
 
-Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& f) {
-    return convert_numbers(primitive, [&f](const Real& x) { return toml::round_to_format(x, f); });
+Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& format) {
+    return convert_numbers(primitive, [&format](const Real& x) { return toml::round_to_format(x, format); });
 }
 
-Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f) {
-    return convert_numbers(primitive, [&f](double x) { return rounding::to_format(x, 0, f); });
+Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& format) {
+    return convert_numbers(primitive, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
-RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& f) {
-    if (scene.inputs == file::InputRounding::own) return round_rays(make_own_rays(scene, y0, y1), f);
-    return round_block(make_shared_rays(scene, y0, y1), f);
+RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& format) {
+    if (scene.inputs == file::InputRounding::own) return round_rays(make_own_rays(scene, y0, y1), format);
+    return round_block(make_shared_rays(scene, y0, y1), format);
 }
 
 }  // namespace lostbits::scene::rays

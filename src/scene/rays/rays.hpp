@@ -101,25 +101,25 @@ IdealRayBlock make_own_rays(const file::Scene& scene, int y0, int y1);
 
 /// Rounds each component of the ideal rays once to F, or makes the rays in F. A direction that rounds to zero stays,
 /// and the measurement shows what a form makes of it.
-RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& f);
+RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& format);
 
 /// Rounds each component once to F, for shared inputs in a format narrower than binary32. Components that F holds do
 /// not change.
-RayBlock round_block(const RayBlock& block, const FloatFormat& f);
+RayBlock round_block(const RayBlock& block, const FloatFormat& format);
 
 /// The primitives of a scene, in its order, with each number rounded once to binary32. A primitive takes 56 bytes.
 std::vector<Primitive<double>> shared_primitives(const file::Scene& scene);
 
 /// The primitive with each number rounded once to F. A radius that rounds to zero stays, too.
-Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& f);
-Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& f);
+Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& format);
+Primitive<double> round_primitive(const Primitive<double>& primitive, const FloatFormat& format);
 
 /// The primitives of a scene as in a map: if inputs are shared, the primitives of all formats; else each number rounded
 /// once to F.
-std::vector<Primitive<double>> stored_primitives(const file::Scene& scene, const FloatFormat& f);
+std::vector<Primitive<double>> stored_primitives(const file::Scene& scene, const FloatFormat& format);
 
 /// The inputs of a form in format F, for either kind of `inputs`: shared inputs are rounded to binary32 and then, if F
 /// is narrower, to F; own inputs are rounded once to F.
-RayBlock input_rays(const file::Scene& scene, int y0, int y1, const FloatFormat& f);
+RayBlock input_rays(const file::Scene& scene, int y0, int y1, const FloatFormat& format);
 
 }  // namespace lostbits::scene::rays

@@ -10,9 +10,9 @@
 namespace lostbits::scene::rays {
 
 /// The triangles of meshes, which are the last of `stored_primitives`; null if the scene has no mesh.
-inline std::shared_ptr<const StoredMesh> stored_mesh(const file::Scene& scene, const FloatFormat& f) {
+inline std::shared_ptr<const StoredMesh> stored_mesh(const file::Scene& scene, const FloatFormat& format) {
     if (!scene.mesh || scene.inputs == file::InputRounding::shared) return shared_mesh(scene);
-    const auto stored = [&f](double x) { return rounding::to_format(x, 0, f); };
+    const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
     const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
     for (Vec<double>& v : mesh->vertices)
         for (int k = 0; k < 3; ++k) v[k] = stored(v[k]);
@@ -22,10 +22,10 @@ inline std::shared_ptr<const StoredMesh> stored_mesh(const file::Scene& scene, c
 }
 
 /// The primitives of `stored_primitives` that are not triangles of meshes.
-inline std::vector<Primitive<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& f) {
+inline std::vector<Primitive<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& format) {
     file::Scene without_mesh = scene;
     without_mesh.mesh = nullptr;
-    return stored_primitives(without_mesh, f);
+    return stored_primitives(without_mesh, format);
 }
 
 /// The primitives and at most two triangles of the mesh. They stand for all primitives where only two facts matter:

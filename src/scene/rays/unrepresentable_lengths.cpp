@@ -97,13 +97,15 @@ std::vector<std::string> UnrepresentableLengths::lines() const {
     return lines;
 }
 
-std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const FloatFormat& f) {
+std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const FloatFormat& format) {
     // A format that has all numbers of binary32 loses none of them.
     const bool is_shared = scene.inputs == file::InputRounding::shared;
-    if (is_shared && f.precision >= binary32.precision && f.emin <= binary32.emin && f.emax >= binary32.emax) return {};
+    if (is_shared && format.precision >= binary32.precision && format.emin <= binary32.emin &&
+        format.emax >= binary32.emax)
+        return {};
 
     const FloatFormat& stored = is_shared ? binary32 : binary64;
-    UnrepresentableLengths lost(f);
+    UnrepresentableLengths lost(format);
     const auto round_to_stored = [&](const Real& x) { return toml::round_to_format(x, stored); };
     const Vec<Real>& eye = scene.camera.eye;
     lost.add_point({round_to_stored(eye.x), round_to_stored(eye.y), round_to_stored(eye.z)}, "a coordinate of the eye",
@@ -116,7 +118,7 @@ std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const
     std::array<std::size_t, shape_rows.size()> count_by_shape{};
     for (const Primitive<Real>& primitive : scene.listed)
         add(round_primitive(primitive, stored), name_of(primitive.shape),
-            count_by_shape[primitive.shape]++);
+            count_by_shape[static_cast<std::size_t>(primitive.shape)]++);
     std::size_t i = 0;
     if (scene.flake)
         sphere::for_each_primitive(*scene.flake, [&](const Primitive<double>& primitive) {

@@ -39,26 +39,26 @@ struct Symmetry {
         return {signs[0] * v[source_axes[0]], signs[1] * v[source_axes[1]], signs[2] * v[source_axes[2]]};
     }
     /// Returns S M for a matrix M to the world, and M⁻¹ S⁻¹ for a stored inverse. The primitive stays in its own space.
-    [[nodiscard]] Transform<double> apply_to(const Transform<double>& m) const {
-        auto result = m.matrix;
+    [[nodiscard]] Transform<double> apply_to(const Transform<double>& transform) const {
+        auto result = transform.matrix;
         for (std::size_t i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(source_axes[i]);
             for (std::size_t j = 0; j < 4; ++j) {
-                if (!m.is_inverse) result[4 * i + j] = signs[i] * m.matrix[4 * k + j];
-                else if (j < 3) result[4 * j + i] = signs[i] * m.matrix[4 * j + k];
+                if (!transform.is_inverse) result[4 * i + j] = signs[i] * transform.matrix[4 * k + j];
+                else if (j < 3) result[4 * j + i] = signs[i] * transform.matrix[4 * j + k];
             }
         }
-        return transform_of(result, m.is_inverse);
+        return transform_of(result, transform.is_inverse);
     }
-    [[nodiscard]] Primitive<double> apply_to(const Primitive<double>& s) const {
-        Primitive<double> result = s;
-        if (s.transform) {
-            result.transform = apply_to(*s.transform);
+    [[nodiscard]] Primitive<double> apply_to(const Primitive<double>& primitive) const {
+        Primitive<double> result = primitive;
+        if (primitive.transform) {
+            result.transform = apply_to(*primitive.transform);
             return result;
         }
-        for_each_key(s.shape, [&](const Key& key, std::size_t k) {
+        for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
             if (key.count() != 3) return;
-            const Vec<double> point = apply_to(s.point(k));
+            const Vec<double> point = apply_to(primitive.point(k));
             for (int i = 0; i < 3; ++i) {
                 double& x = result.numbers[k + static_cast<std::size_t>(i)] = point[i];
                 if (key.kind == Key::Kind::lengths) x = std::fabs(x);
@@ -99,8 +99,8 @@ void require_range(TableReader& ray, const Range<double>& range) {
                     "leaves no t between tmin and tmax; write a tmax above tmin, or leave one of them out");
 }
 
-Vec<double> vector_in_format(const std::vector<Quantity>& v, const FloatFormat& f, int exponent) {
-    return {v[0].value_in(f, exponent), v[1].value_in(f, exponent), v[2].value_in(f, exponent)};
+Vec<double> vector_in_format(const std::vector<Quantity>& v, const FloatFormat& format, int exponent) {
+    return {v[0].value_in(format, exponent), v[1].value_in(format, exponent), v[2].value_in(format, exponent)};
 }
 
 }  // namespace
@@ -198,8 +198,8 @@ void CaseFile::read_conventions(TableReader& file) {
     if (conventions.empty()) file.fail_at("conventions", "is empty; leave it out, or name own, closed or open");
 }
 
-void CaseFile::require_limits(const Case& c, const TableReader& table) {
-    for (const PrimitiveSpec& spec : c.primitives) {
+void CaseFile::require_limits(const Case& case_, const TableReader& table) {
+    for (const PrimitiveSpec& spec : case_.primitives) {
         const Primitive<double> primitive = spec.primitive_in(binary64, 0);
         if (const auto broken = broken_limit(primitive))
             toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " + std::string(broken->key->name) +
@@ -240,16 +240,17 @@ Primitive<double> CaseFile::PrimitiveSpec::primitive_in(const FloatFormat& forma
 }
 
 bool CaseFile::have_transform() const {
-    return std::ranges::any_of(cases_, [](const Case& c) {
-        return std::ranges::any_of(c.primitives, [](const PrimitiveSpec& spec) { return !spec.matrix.empty(); });
+    return std::ranges::any_of(cases_, [](const Case& case_) {
+        return std::ranges::any_of(case_.primitives, [](const PrimitiveSpec& spec) { return !spec.matrix.empty(); });
     });
 }
 
 std::vector<Shape> CaseFile::shapes() const {
     std::vector<Shape> found;
     for (const ShapeRow& shape_row : shape_rows) {
-        const auto has_shape = [&shape_row](const Case& c) {
-            return std::ranges::find(c.primitives, shape_row.shape, &PrimitiveSpec::shape) != c.primitives.end();
+        const auto has_shape = [&shape_row](const Case& case_) {
+            return std::ranges::find(case_.primitives, shape_row.shape, &PrimitiveSpec::shape) !=
+                   case_.primitives.end();
         };
         if (std::ranges::any_of(cases_, has_shape)) found.push_back(shape_row.shape);
     }

@@ -80,9 +80,10 @@ private:
     static RaySpec read_ray_spec(toml::TableReader& table, OpenEnds open);
     void read_conventions(toml::TableReader& file);
     /// Fails if a primitive of the case breaks a limit of its shape.
-    static void require_limits(const Case& c, const toml::TableReader& table);
+    static void require_limits(const Case& case_, const toml::TableReader& table);
     /// The rays at the scale of `scale_format`, as numbers of `format`.
-    static std::vector<rays::RayGroup> rays(const Case& c, const FloatFormat& scale_format, const FloatFormat& format);
+    static std::vector<rays::RayGroup> rays(const Case& case_, const FloatFormat& scale_format,
+                                            const FloatFormat& format);
 
     std::vector<Case> cases_;
 };

@@ -92,11 +92,14 @@ Exponent::Exponent(const Node& node) {
     if (terms_.empty() || terms_.size() > max_terms) fail_malformed();
 }
 
-int Exponent::value_in(const FloatFormat& f) const {
+int Exponent::value_in(const FloatFormat& format) const {
     int sum = 0;
     for (const Term& t : terms_) {
         using W = Term::SpecialValue;
-        const int n = t.word == W::emax ? f.emax : t.word == W::emin ? f.emin : t.word == W::p ? f.precision : t.number;
+        const int n = t.word == W::emax   ? format.emax
+                      : t.word == W::emin ? format.emin
+                      : t.word == W::p    ? format.precision
+                                          : t.number;
         sum += t.sign * floor_quotient(n, t.divisor);
     }
     return sum;
@@ -132,19 +135,19 @@ Quantity::Quantity(const Node& node, bool allows_special) {
     base_ = std::get<Real>(parsed);
 }
 
-double Quantity::value_in(const FloatFormat& f, int exponent) const {
+double Quantity::value_in(const FloatFormat& format, int exponent) const {
     double x = 0;
     switch (word_) {
-        case SpecialValue::none: x = round_to_format(base_ == 0 ? base_ : Real(ldexp(base_, exponent)), f); break;
+        case SpecialValue::none: x = round_to_format(base_ == 0 ? base_ : Real(ldexp(base_, exponent)), format); break;
         case SpecialValue::nan: x = std::numeric_limits<double>::quiet_NaN(); break;
         case SpecialValue::inf: x = std::numeric_limits<double>::infinity(); break;
-        case SpecialValue::max: x = std::ldexp(2 - std::ldexp(1.0, 1 - f.precision), f.emax); break;
-        case SpecialValue::min: x = std::ldexp(1.0, f.emin); break;
-        case SpecialValue::tiny: x = std::ldexp(1.0, f.emin - f.precision + 1); break;
+        case SpecialValue::max: x = std::ldexp(2 - std::ldexp(1.0, 1 - format.precision), format.emax); break;
+        case SpecialValue::min: x = std::ldexp(1.0, format.emin); break;
+        case SpecialValue::tiny: x = std::ldexp(1.0, format.emin - format.precision + 1); break;
     }
     if (negative_) x = -x;
-    if (ulps_ > 0) return rounding::next_up(x, f);
-    if (ulps_ < 0) return -rounding::next_up(-x, f);
+    if (ulps_ > 0) return rounding::next_up(x, format);
+    if (ulps_ < 0) return -rounding::next_up(-x, format);
     return x;
 }
 

@@ -16,7 +16,7 @@ public:
     Exponent() = default;
     /// Reads a whole number or a string. Throws InputError at `node` for anything else.
     explicit Exponent(const Node& node);
-    [[nodiscard]] int value_in(const FloatFormat& f) const;
+    [[nodiscard]] int value_in(const FloatFormat& format) const;
 
 private:
     struct Term {
@@ -39,7 +39,7 @@ public:
     Quantity(const Node& node, bool allows_special);
     /// base·2^exponent rounded once to the format, then moved to its neighbour. `max`, `min` and `tiny` are not
     /// scaled.
-    [[nodiscard]] double value_in(const FloatFormat& f, int exponent) const;
+    [[nodiscard]] double value_in(const FloatFormat& format, int exponent) const;
 
 private:
     enum class SpecialValue { none, nan, inf, max, min, tiny };

@@ -38,8 +38,8 @@ const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p9 = *find_fo
 
 const Intersector& form(std::string_view name) { return test::row_named(intersect::table::catalogue(), name); }
 
-Point point(const Primitive<double>& s, std::size_t k) {
-    return {Rational(s.numbers[k]), Rational(s.numbers[k + 1]), Rational(s.numbers[k + 2])};
+Point point(const Primitive<double>& primitive, std::size_t k) {
+    return {Rational(primitive.numbers[k]), Rational(primitive.numbers[k + 1]), Rational(primitive.numbers[k + 2])};
 }
 
 }  // namespace
@@ -72,8 +72,9 @@ TEST_CASE("a row behind a box is named after form, box and method, and shapes wi
                     InputError);
     for (const char* none : {"plane.two_step", "sdf.sphere_trace"}) {
         const auto all = intersect::table::catalogue();
-        const auto of = std::ranges::find_if(
-            all, [&](const Intersector& i) { return i.info->name.starts_with(std::string_view(none).substr(0, 4)); });
+        const auto of = std::ranges::find_if(all, [&](const Intersector& form) {
+            return form.info->name.starts_with(std::string_view(none).substr(0, 4));
+        });
         REQUIRE(of != all.end());
         CHECK_THROWS_AS(boxed_form(intersect::bounding_box::default_box_method(), box, *of), InputError);
     }

@@ -41,22 +41,22 @@ struct ExactBox {
         }
     }
 };
-Point point(const Primitive<double>& s, std::size_t k) {
-    return {Rational(s.numbers[k]), Rational(s.numbers[k + 1]), Rational(s.numbers[k + 2])};
+Point point(const Primitive<double>& primitive, std::size_t k) {
+    return {Rational(primitive.numbers[k]), Rational(primitive.numbers[k + 1]), Rational(primitive.numbers[k + 2])};
 }
 Point same(const Rational& r) { return {r, r, r}; }
 
-ExactBox exact_box(const Primitive<double>& s) {
+ExactBox exact_box(const Primitive<double>& primitive) {
     ExactBox box;
-    const std::string_view name = name_of(s.shape);
-    if (name == "sphere") box.take(point(s, 0), same(s.numbers[3]), true);
-    if (name == "ellipsoid") box.take(point(s, 0), point(s, 3), true);
+    const std::string_view name = name_of(primitive.shape);
+    if (name == "sphere") box.take(point(primitive, 0), same(primitive.numbers[3]), true);
+    if (name == "ellipsoid") box.take(point(primitive, 0), point(primitive, 3), true);
     if (name == "triangle")
-        for (std::size_t k = 0; k < 9; k += 3) box.take(point(s, k), same(0), k == 0);
+        for (std::size_t k = 0; k < 9; k += 3) box.take(point(primitive, k), same(0), k == 0);
     if (name == "capsule")
-        for (std::size_t k = 0; k < 6; k += 3) box.take(point(s, k), same(s.numbers[6]), k == 0);
+        for (std::size_t k = 0; k < 6; k += 3) box.take(point(primitive, k), same(primitive.numbers[6]), k == 0);
     if (name == "box")
-        for (std::size_t k = 0; k < 6; k += 3) box.take(point(s, k), same(0), k == 0);
+        for (std::size_t k = 0; k < 6; k += 3) box.take(point(primitive, k), same(0), k == 0);
     return box;
 }
 

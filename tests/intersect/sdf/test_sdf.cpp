@@ -76,19 +76,19 @@ void compare_widths(std::uint64_t seed) {
 
 /// The loop of the lesson SDF Sphere Marching, written plainly.
 template <class S>
-std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere, const intersect::MarchConstants<S>& c,
-                               int& samples) {
+std::pair<bool, S> plain_march(const Ray<S>& ray, const Sphere<S>& sphere,
+                               const intersect::MarchConstants<S>& constants, int& samples) {
     S t = 0;
-    for (samples = 1; samples <= c.max_steps; ++samples) {
+    for (samples = 1; samples <= constants.max_steps; ++samples) {
         const S x = ray.origin.x + t * ray.direction.x - sphere.centre.x;
         const S y = ray.origin.y + t * ray.direction.y - sphere.centre.y;
         const S z = ray.origin.z + t * ray.direction.z - sphere.centre.z;
         const S d = std::sqrt(x * x + y * y + z * z) - sphere.radius;
-        if (d < c.hit_eps) return {true, t};
+        if (d < constants.hit_eps) return {true, t};
         t += d;
-        if (t > c.max_dist) return {false, t};
+        if (t > constants.max_dist) return {false, t};
     }
-    samples = c.max_steps;
+    samples = constants.max_steps;
     return {false, t};
 }
 

@@ -101,7 +101,7 @@ TEST_CASE("a stagnated march stays where it is, and one at max_steps would move 
                 for (int cap = 1; cap <= 24; ++cap) {
                     const MarchLog log = capped(row, field, cap, format);
                     INFO(row.info->name << " in " << format << ", ray " << k << ", cap " << cap);
-                    ++seen[log.stop];
+                    ++seen[static_cast<std::size_t>(log.stop)];
                     if (row.info->name == "sdf.sphere_trace" && format == std::string("f32"))
                         CHECK(log.stop == plain_stop(field, cap));
                     CHECK((!stood || log.stop == StopReason::stagnated));

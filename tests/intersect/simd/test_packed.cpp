@@ -21,7 +21,7 @@ void compare_forms(Shape shape) {
             const Answers<S> want = run(native[form], scene);
             tally.note(want);
             for (const Isa isa : intersect::simd::available_isas())
-                wrong[isa] +=
+                wrong[static_cast<std::size_t>(isa)] +=
                     differences(run(intersect::simd::all_packed_kernels(isa)[form], scene), want);
         }
         INFO(native[form].info->name << ": finite hits " << tally.finite_hits << ", misses " << tally.misses << ", NaN "

@@ -36,8 +36,8 @@ Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
         for (S& x : primitive.shape_numbers()) x *= static_cast<S>(1 + random.unit() / 64);
         if (random.one_in(5)) primitive.numbers[random.between(0, 2)] = d.ray[0];
         if (random.one_in(6))
-            primitive.shape_numbers()[
-                random.between(0, static_cast<long>(primitive.shape_numbers().size()) - 1)] = draw_any<S>(random);
+            primitive.shape_numbers()[random.between(0, static_cast<long>(primitive.shape_numbers().size()) - 1)] =
+                draw_any<S>(random);
         for (std::size_t c = 0; c < max_number_count; ++c) d.column[c].push_back(primitive.numbers[c]);
         d.t.push_back(draw_end<S>(random));
     }
@@ -109,7 +109,7 @@ void compare(Shape shape) {
             for (const Isa isa : intersect::simd::available_isas()) {
                 const Expected<S> got = at_once(intersect::simd::all_many_kernels(isa)[form], shape, all[k], n);
                 for (std::size_t i = 0; i < n; ++i)
-                    wrong[isa] +=
+                    wrong[static_cast<std::size_t>(isa)] +=
                         !same(got.t[i], want.t[i]) || (!takes_tmax(shape) && got.hit[i] != want.hit[i]);
             }
         }

@@ -23,10 +23,10 @@ struct Drawn {
 };
 
 template <class T>
-Drawn<T> draw(Random& random, const FloatFormat& f, bool positive) {
-    const auto finite = [&] { return draw_finite(random, f); };
+Drawn<T> draw(Random& random, const FloatFormat& format, bool positive) {
+    const auto finite = [&] { return draw_finite(random, format); };
     double a = finite(), b = random.one_in(3)   ? a
-                             : random.one_in(2) ? nearest(Mpfr(a * (1 + random.unit() / 64), 53), f)
+                             : random.one_in(2) ? nearest(Mpfr(a * (1 + random.unit() / 64), 53), format)
                                                 : finite();
     if (positive) a = std::fabs(a), b = std::fabs(b);
     if (a > b) std::swap(a, b);
@@ -40,13 +40,13 @@ Drawn<T> draw(Random& random, const FloatFormat& f, bool positive) {
 }
 
 template <class T>
-void enclose(const FloatFormat& f) {
+void enclose(const FloatFormat& format) {
     Random random(31);
     long wrong = 0, bounded = 0;
     constexpr int rounds = 30000;
     for (const Op op : {Op::add, Op::subtract, Op::multiply, Op::divide, Op::root})
         for (int i = 0; i < rounds; ++i) {
-            const Drawn<T> a = draw<T>(random, f, op == Op::root), b = draw<T>(random, f, false);
+            const Drawn<T> a = draw<T>(random, format, op == Op::root), b = draw<T>(random, format, false);
             const auto& [x, y] = std::tie(a.interval, b.interval);
             const OutwardInterval<T> r = op == Op::add        ? x + y
                                          : op == Op::subtract ? x - y
@@ -61,7 +61,7 @@ void enclose(const FloatFormat& f) {
             bounded += std::isfinite(value(r.lo)) && std::isfinite(value(r.hi));
         }
     for (int i = 0; i < rounds; ++i) {
-        const Drawn<T> a = draw<T>(random, f, false);
+        const Drawn<T> a = draw<T>(random, format, false);
         const OutwardInterval<T> r = square(a.interval);
         Mpfr exact(400);
         mpfr_sqr(exact, a.point, MPFR_RNDN);

@@ -20,14 +20,16 @@ namespace {
 
 std::span<const Intersector> forms() { return intersect::table::intersectors(Shape::triangle); }
 
-bool hits_in_float(const Intersector& form, const TriangleSample& s) {
-    return ask_row<float>(form, lift_ray<float>(s.ray), lift_primitive<float>(Primitive<double>(s.triangle))).hit;
+bool hits_in_float(const Intersector& form, const TriangleSample& sample) {
+    return ask_row<float>(form, lift_ray<float>(sample.ray), lift_primitive<float>(Primitive<double>(sample.triangle)))
+        .hit;
 }
 
 /// Without rounding; unknown if the form divides by a number that may be 0.
-Tri hits_exactly(const Intersector& form, const TriangleSample& s) {
+Tri hits_exactly(const Intersector& form, const TriangleSample& sample) {
     const Interval::Precision precision(400);
-    return form.interval(lift_ray<Interval>(s.ray), lift_primitive<Interval>(Primitive<double>(s.triangle))).hit;
+    return form.interval(lift_ray<Interval>(sample.ray), lift_primitive<Interval>(Primitive<double>(sample.triangle)))
+        .hit;
 }
 
 }  // namespace
@@ -37,16 +39,16 @@ TEST_CASE("forms of triangles that divide last decide on the rim as they declare
                                            "triangle.filtered", "triangle.plucker_band"};
     std::map<std::string_view, int> wrong;
     int rims = 0;
-    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution&, const TriangleSample& s) {
-        const TriangleAnswer right = answer_of(s);
+    for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution&, const TriangleSample& sample) {
+        const TriangleAnswer right = answer_of(sample);
         if (!right.meets() || !right.on_rim() || right.t == 0) return;
         ++rims;
         for (const Intersector& form : forms())
-            if (exact.contains(form.info->name)) wrong[form.info->name] += !hits_exactly(form, s).is_yes();
+            if (exact.contains(form.info->name)) wrong[form.info->name] += !hits_exactly(form, sample).is_yes();
         const auto leaves_out = [&]<class Form>() {
-            const Ray<Real> ray = lift_ray<Real>(s.ray);
+            const Ray<Real> ray = lift_ray<Real>(sample.ray);
             wrong[Form::info.name] +=
-                !Form::intersect(ray, lift_primitive<Real>(Primitive<double>(s.triangle)).triangle()).hit;
+                !Form::intersect(ray, lift_primitive<Real>(Primitive<double>(sample.triangle)).triangle()).hit;
         };
         leaves_out.operator()<intersect::triangle::BaldwinWeber>();
         leaves_out.operator()<intersect::triangle::HavelHerout>();
@@ -88,15 +90,15 @@ TEST_CASE("a form that culls back faces misses them, and declares it", "[interse
 TEST_CASE("the weights that a form returns belong to the declared corners a, b and c", "[intersect][triangle]") {
     std::map<std::string_view, int> told, wrong;
     for_each_triangle(
-        static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& s) {
-            const TriangleAnswer right = answer_of(s);
+        static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& sample) {
+            const TriangleAnswer right = answer_of(sample);
             if (!right.meets() || distribution.name != std::string_view("random")) return;
             const std::array<Rational, 3> weights{right.u, right.v, right.w};
             for (const Intersector& form : forms()) {
                 const Info& info = *form.info;
                 const char* const format = info.formats == intersect::Formats::all ? "f64" : "f32";
                 Tape tape;
-                form.record(*find_format(format), s.ray, Primitive<double>(s.triangle), HUGE_VAL, tape);
+                form.record(*find_format(format), sample.ray, Primitive<double>(sample.triangle), HUGE_VAL, tape);
                 for (std::size_t k = 0; k < weights.size(); ++k) {
                     const std::string_view name = info.weights[k];
                     if (name.empty()) continue;

@@ -66,13 +66,13 @@ private:
 TEST_CASE("the side from which a ray meets a triangle agrees with fractions", "[truth][triangle]") {
     std::map<std::string, std::array<int, 2>> met;
     for_each_triangle(
-        static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& s) {
+        static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& sample) {
             INFO(distribution.name);
-            const TriangleAnswer right = answer_of(s);
+            const TriangleAnswer right = answer_of(sample);
             for (const Facing facing : {Facing::front, Facing::back}) {
                 intersect::Convention one_side;
                 one_side.facing = facing;
-                const Truth truth = find_truth(s.ray, Primitive<double>(s.triangle), {}, one_side);
+                const Truth truth = find_truth(sample.ray, Primitive<double>(sample.triangle), {}, one_side);
                 REQUIRE(truth.decision == (right.meets(facing) ? Truth::Decision::hit : Truth::Decision::miss));
                 if (right.meets(facing)) REQUIRE(encloses(truth.t, right.t));
                 met[distribution.name][facing == Facing::front ? 0 : 1] += truth.is_hit();
@@ -140,8 +140,8 @@ TEST_CASE("rays through edges and vertices, and rays that start on a triangle, a
     const auto before = intersect::simd::current_isa();
     std::map<std::string, std::vector<TriangleSample>> asked;
     for_each_triangle(static_cast<int>(draws(2000)),
-                      [&](const TriangleDistribution& distribution, const TriangleSample& s) {
-                          asked[distribution.name].push_back(s);
+                      [&](const TriangleDistribution& distribution, const TriangleSample& sample) {
+                          asked[distribution.name].push_back(sample);
                       });
     for (const auto& [name, rays] : asked) {
         const Floats floats(rays);
@@ -150,7 +150,7 @@ TEST_CASE("rays through edges and vertices, and rays that start on a triangle, a
             for (const auto& [ray, triangle] : rays)
                 right.push_back(find_truth(ray, Primitive<double>(triangle), {}, convention));
             const auto ties = static_cast<std::size_t>(
-                std::ranges::count_if(right, [](const Truth& t) { return t.touches || t.on_surface; }));
+                std::ranges::count_if(right, [](const Truth& truth) { return truth.touches || truth.on_surface; }));
             for (const auto isa : intersect::simd::available_isas()) {
                 intersect::simd::set_isa(isa);
                 measure::truth::TruthColumns found;

@@ -40,9 +40,9 @@ struct TriangleAnswer {
     }
 };
 
-inline TriangleAnswer answer_of(const TriangleSample& s) {
-    const RationalVec o = exactly(s.ray.origin), d = exactly(s.ray.direction), a = exactly(s.triangle.a);
-    const RationalVec p = minus(exactly(s.triangle.b), a), q = minus(exactly(s.triangle.c), a);
+inline TriangleAnswer answer_of(const TriangleSample& sample) {
+    const RationalVec o = exactly(sample.ray.origin), d = exactly(sample.ray.direction), a = exactly(sample.triangle.a);
+    const RationalVec p = minus(exactly(sample.triangle.b), a), q = minus(exactly(sample.triangle.c), a);
     const RationalVec n{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
     TriangleAnswer answer;
     const Rational across = dot(n, d);
@@ -78,8 +78,8 @@ inline TriangleSample whole_sample(Seeded& rng, int size) {
 }
 
 /// The ray rotated so that it meets the point at t = `steps`, exactly, for whole numbers.
-inline void aim(TriangleSample& s, const Vec<double>& point, double steps) {
-    s.ray.origin = point - steps * s.ray.direction;
+inline void aim(TriangleSample& sample, const Vec<double>& point, double steps) {
+    sample.ray.origin = point - steps * sample.ray.direction;
 }
 
 struct TriangleDistribution {

@@ -96,9 +96,7 @@ Tape random_tape(Random& random, int operations) {
     const NodeId zero = tape.add(TapeOp::constant, four_bits, 0, {0}),
                  one = tape.add(TapeOp::constant, four_bits, 1, {1});
     std::vector<NodeId> numbers{0, 1, 2, one, tape.add(TapeOp::constant, four_bits, 2, {2})};
-    const auto any = [&] {
-        return numbers[random.between(0, static_cast<long>(numbers.size()) - 1)];
-    };
+    const auto any = [&] { return numbers[random.between(0, static_cast<long>(numbers.size()) - 1)]; };
     constexpr std::array ops{TapeOp::add, TapeOp::sub,    TapeOp::mul,     TapeOp::div,       TapeOp::sqrt,
                              TapeOp::fma, TapeOp::neg,    TapeOp::abs,     TapeOp::copysign,  TapeOp::min,
                              TapeOp::max, TapeOp::select, TapeOp::next_up, TapeOp::next_down, TapeOp::convert,

@@ -102,15 +102,16 @@ void on_recorded_rays(const RecordedRays& of, const See& see) {
 }
 
 /// The answer of the plain row.
-inline Hit<double> plain(const intersect::table::Intersector& form, const Format& format, const Setting& s) {
+inline Hit<double> plain(const intersect::table::Intersector& form, const Format& format, const Setting& setting) {
     const auto run = [&]<class S>(const auto& kernel) {
         const auto narrow = [](double x) { return static_cast<S>(x); };
-        std::array<S, 11> x{narrow(s.ray.origin.x),    narrow(s.ray.origin.y),    narrow(s.ray.origin.z),
-                            narrow(s.ray.direction.x), narrow(s.ray.direction.y), narrow(s.ray.direction.z)};
-        x[10] = narrow(s.tmax);
+        std::array<S, 11> x{narrow(setting.ray.origin.x),    narrow(setting.ray.origin.y),
+                            narrow(setting.ray.origin.z),    narrow(setting.ray.direction.x),
+                            narrow(setting.ray.direction.y), narrow(setting.ray.direction.z)};
+        x[10] = narrow(setting.tmax);
         std::uint8_t hit = 0;
         const auto one = [&](std::size_t i) { return std::span<S>(&x[i], 1); };
-        const intersect::LiftedTarget<S> target(s.target(form));
+        const intersect::LiftedTarget<S> target(setting.target(form));
         kernel(intersect::table::RayBatch<S>{one(0), one(1), one(2), one(3), one(4), one(5), one(10)}, target.get(),
                intersect::table::HitBatch<S>{one(6), one(7), one(8), std::span(&hit, 1)});
         return Hit<double>{hit != 0, x[6], x[7], x[8]};

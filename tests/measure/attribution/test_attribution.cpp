@@ -30,8 +30,8 @@ double sum_of_sizes(const Attribution& a) {
 TEST_CASE("a recorded form gives the bits of the plain form", "[attribution]") {
     int hits = 0;
     on_recorded_rays({{"f32", "f64", "bf16", "fp16", "p30"}, 60},
-                     [&](const Intersector& form, const Format& format, const Setting& s, const Tape& tape) {
-                         const Hit<double> want = plain(form, format, s);
+                     [&](const Intersector& form, const Format& format, const Setting& setting, const Tape& tape) {
+                         const Hit<double> want = plain(form, format, setting);
                          REQUIRE((tape[tape.outputs.hit].value != 0) == want.hit);
                          REQUIRE(same_number(tape[tape.outputs.t].value, want.t));
                          REQUIRE(same_number(tape[tape.outputs.near].value, want.near));
@@ -61,9 +61,9 @@ TEST_CASE("the exact value of an answer is the result of the form without roundi
     int compared = 0;
     const int rays = is_long() ? 25 : 8;
     on_recorded_rays({{"f32", "f64"}, rays, 10},
-                     [&](const Intersector& form, const Format&, const Setting& s, const Tape& tape) {
+                     [&](const Intersector& form, const Format&, const Setting& setting, const Tape& tape) {
                          const Attribution a = measure::attribution::attribute(tape, tape.outputs.t);
-                         const auto self = measure::answer::evaluate_exactly(form, s.ray, s.target(form));
+                         const auto self = measure::answer::evaluate_exactly(form, setting.ray, setting.target(form));
                          if (!self || a.loop_was_cut_short) return;
                          REQUIRE(a.is_exact_hit);
                          const double exact = a[tape.outputs.t].exact;

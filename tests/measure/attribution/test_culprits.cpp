@@ -22,18 +22,18 @@ using measure::metric::MetricSet;
 namespace {
 
 /// The library's setting for the rays of these tests.
-lostbits::measure::attribution::Setting given(const Setting& s) { return {s.primitives, &s.march}; }
+lostbits::measure::attribution::Setting given(const Setting& setting) { return {setting.primitives, &setting.march}; }
 
 }  // namespace
 
 TEST_CASE("every culprit is an operation of its form, and an ordinary miss has none", "[culprits]") {
     int blamed = 0, misses = 0;
     const int rays = is_long() ? 40 : 10;
-    const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
+    const auto see = [&](const Intersector& form, const Format& format, const Setting& setting, const Tape&) {
         MetricSet made;
-        const Metric* const culprit = made.adapt_to_forms({find_metric("culprit")}, {&form}, given(s)).front();
+        const Metric* const culprit = made.adapt_to_forms({find_metric("culprit")}, {&form}, given(setting)).front();
         measure::attribution::Attributor attributor(form, format, culprit->categories);
-        const measure::attribution::RayAttribution blame = attributor.attribute_ray(s.ray, s.target(form));
+        const measure::attribution::RayAttribution blame = attributor.attribute_ray(setting.ray, setting.target(form));
         if (measure::attribution::is_plain_miss(*blame.tape, *blame.attribution)) {
             CHECK(std::isnan(blame.culprit));
             CHECK(blame.attribution->culprit == no_node);
@@ -42,8 +42,8 @@ TEST_CASE("every culprit is an operation of its form, and an ordinary miss has n
         }
         if (blame.attribution->culprit == no_node) return;
         REQUIRE(blame.culprit >= 1);
-        const auto operations = measure::attribution::operation_names(form, given(s));
-        CHECK(std::ranges::find(operations, culprit->categories[blame.culprit]) !=
+        const auto operations = measure::attribution::operation_names(form, given(setting));
+        CHECK(std::ranges::find(operations, culprit->categories[static_cast<std::size_t>(blame.culprit)]) !=
               operations.end());
         ++blamed;
     };
@@ -54,11 +54,11 @@ TEST_CASE("every culprit is an operation of its form, and an ordinary miss has n
 
 TEST_CASE("cancellation and contributions of labels are parts of the totals", "[culprits]") {
     int cancelled = 0;
-    const auto see = [&](const Intersector& form, const Format& format, const Setting& s, const Tape&) {
+    const auto see = [&](const Intersector& form, const Format& format, const Setting& setting, const Tape&) {
         measure::attribution::Attributor attributor(form, format, {});
-        const measure::attribution::RayAttribution blame = attributor.attribute_ray(s.ray, s.target(form));
+        const measure::attribution::RayAttribution blame = attributor.attribute_ray(setting.ray, setting.target(form));
         const int worst = measure::attribution::worst_cancellation(*blame.attribution);
-        for (const std::string_view label : measure::attribution::labels_of(form, given(s))) {
+        for (const std::string_view label : measure::attribution::labels_of(form, given(setting))) {
             INFO(label);
             const double bits = measure::attribution::cancellation_of(*blame.tape, *blame.attribution, label);
             const bool there = std::ranges::find(blame.tape->nodes, label, &TapeNode::label) != blame.tape->nodes.end();
@@ -92,9 +92,9 @@ TEST_CASE("a range limit changed by rounding has a culprit among the operations,
         attributor.attribute_ray(ray, intersect::Target<double>(primitives[0]), {.tmin = 0x1.a36e2ep-14});
     CHECK_FALSE(blame.attribution->is_exact_hit);
     REQUIRE(blame.culprit >= 1);
-    CHECK(culprit->categories[blame.culprit] == "v.i = o.i - centre.i");
-    const auto chooses = [&](const measure::attribution::Setting& s) {
-        return std::ranges::any_of(measure::attribution::operation_names(form, s),
+    CHECK(culprit->categories[static_cast<std::size_t>(blame.culprit)] == "v.i = o.i - centre.i");
+    const auto chooses = [&](const measure::attribution::Setting& setting) {
+        return std::ranges::any_of(measure::attribution::operation_names(form, setting),
                                    [](const std::string& name) { return name.starts_with("t_in_range = "); });
     };
     CHECK(chooses(with));
@@ -164,8 +164,8 @@ TEST_CASE("categories are ordered by how often they are to blame", "[culprits]")
     // The picture is small enough to be its own small picture.
     const auto summaries = measure::evaluate::run_map(request);
     std::vector<std::uint64_t> total(after->categories.size());
-    for (const measure::evaluate::FormSummary& s : summaries) {
-        for (std::size_t c = 0; c < total.size(); ++c) total[c] += s.categories[1][c];
+    for (const measure::evaluate::FormSummary& summary : summaries) {
+        for (std::size_t c = 0; c < total.size(); ++c) total[c] += summary.categories[1][c];
     }
     CHECK(std::is_sorted(total.begin() + 1, total.end(), std::greater{}));
     CHECK(total[1] > 0);

@@ -82,8 +82,8 @@ TEST_CASE("a better row loses less on the ray and its neighbours, and luck on on
         const Explanation all = measure::attribution::explain(form, f32, ray);
         if (all.result.outcome != Outcome::agree_hit) continue;
         const OneRay::Inputs in = ray.inputs(form, f32);
-        const auto around = measure::attribution::make_neighbours(
-            ray, in, f32.parameters, {in.format_inputs.primitives[all.primitive_index]});
+        const auto around = measure::attribution::make_neighbours(ray, in, f32.parameters,
+                                                                  {in.format_inputs.primitives[all.primitive_index]});
         const auto mean = [&](const Intersector& each) {
             double sum = 0;
             for (const OneRay& beside : around) sum += lost(each, beside);

@@ -21,16 +21,17 @@ constexpr std::array<std::pair<TapeOp, Op>, 6> arithmetic{{{TapeOp::add, Op::add
 TEST_CASE("the rounding error of an operation is its result minus the exact one", "[attribution]") {
     Random random(11);
     int seen = 0;
-    for (const FloatFormat& f : {binary32, binary64, bfloat16, FloatFormat{30, -1022, 1023}})
+    for (const FloatFormat& format : {binary32, binary64, bfloat16, FloatFormat{30, -1022, 1023}})
         for (const auto& [op, oracle] : arithmetic)
             for (int i = 0; i < 3000; ++i) {
-                const auto x = draw_operands(random, f, oracle);
+                const auto x = draw_operands(random, format, oracle);
                 Tape tape;
                 std::array<NodeId, 3> id{};
-                for (std::size_t k = 0; k < 3; ++k) id[k] = tape.add_input(f, x[k]);
+                for (std::size_t k = 0; k < 3; ++k) id[k] = tape.add_input(format, x[k]);
                 const bool binary = op != TapeOp::sqrt, ternary = op == TapeOp::fma;
-                const double value = measure::attribution::result_of(op, x, f);
-                const NodeId n = tape.add(op, f, value, {id[0], binary ? id[1] : no_node, ternary ? id[2] : no_node});
+                const double value = measure::attribution::result_of(op, x, format);
+                const NodeId n =
+                    tape.add(op, format, value, {id[0], binary ? id[1] : no_node, ternary ? id[2] : no_node});
                 Mpfr exact(4400), off(200);
                 const Mpfr a(x[0], 53), b(x[1], 53), c(x[2], 53);
                 evaluate(oracle, exact, {a, b, c}, MPFR_RNDN);

@@ -62,7 +62,7 @@ TEST_CASE("every row is timed on rays of the scene and has the accuracy that a m
     REQUIRE(all.size() == 2);
     CHECK(timed.primitive_count == 1);
     CHECK(timed.ray_count > 1000);
-    for (const Candidate& c : all) CHECK(c.time.median > 0);
+    for (const Candidate& candidate : all) CHECK(candidate.time.median > 0);
     const auto* const lost = measure::metric::find_metric("lost_bits");
     const auto summaries =
         measure::evaluate::run_map({.scene = &scene, .tested_forms = request.tested_forms, .metrics = {lost}});
@@ -81,10 +81,10 @@ TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms 
     const auto said = [&](double first, double second, double spread, std::string_view isa) {
         std::vector<Candidate> all{candidate(first * 1e-9, 0, 20), candidate(second * 1e-9, 0, 20)};
         all[1].tested_form = row("sphere.double_inside", "f32");
-        for (Candidate& c : all) {
-            c.isa = "512";
-            c.time.low_quartile = c.time.median * (1 - spread);
-            c.time.high_quartile = c.time.median * (1 + spread);
+        for (Candidate& candidate : all) {
+            candidate.isa = "512";
+            candidate.time.low_quartile = candidate.time.median * (1 - spread);
+            candidate.time.high_quartile = candidate.time.median * (1 + spread);
         }
         all[1].isa = isa;
         return output::choose::choice_text({request, all, {2000, 1}, cheapest(all, request.requirement)});

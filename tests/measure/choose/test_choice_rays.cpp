@@ -111,7 +111,7 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     REQUIRE(all.size() == 2);
     CHECK(timed.ray_count == rays.size());
     CHECK(timed.primitive_count == 3);  // one of the four is seen by no ray
-    for (const Candidate& c : all) CHECK(c.time.median > 0);
+    for (const Candidate& candidate : all) CHECK(candidate.time.median > 0);
 }
 
 TEST_CASE("the sample of a long file is every n-th ray") {
@@ -157,7 +157,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
     const IdealRays ideal = exact_rays(group);
     const measure::truth::Band here = ideal.band({});
     for (const Growth growth : {Growth::distance, Growth::radius, Growth::offset}) {
-        INFO(growth_names[growth]);
+        INFO(growth_names[static_cast<std::size_t>(growth)]);
         const auto same = stretch(ideal, growth, 1);
         REQUIRE(same);
         const auto back = store_in_format(same->rays, binary32);
@@ -212,7 +212,7 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
     const auto margins = find_margins(request, row);
     REQUIRE(margins.size() == 3);
     for (const GrowthMargin& margin : margins) {
-        INFO(growth_names[margin.growth]);
+        INFO(growth_names[static_cast<std::size_t>(margin.growth)]);
         CHECK(margin.holding_factor >= 1);
         if (margin.end != MarginEnd::fails) continue;
         CHECK(margin.end_factor / margin.holding_factor <= 1.02);

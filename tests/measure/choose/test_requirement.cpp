@@ -97,14 +97,11 @@ TEST_CASE("each pixel takes the cheapest right row, and the narrowest format tha
             for (std::size_t k = 0; k < every.size(); ++k) {
                 if (!maps[k].right(i, bits, every[k].format.parameters.precision)) continue;
                 narrowest = std::min(narrowest, every[k].format.parameters.precision);
-                if (k < rows.size() && (cheapest < 0 || prices[k] < prices[cheapest]))
-                    cheapest = static_cast<int>(k);
+                if (k < rows.size() && (cheapest < 0 || prices[k] < prices[cheapest])) cheapest = static_cast<int>(k);
             }
             INFO(name << ", pixel " << i);
             REQUIRE(r.cheapest[i] == cheapest);
-            REQUIRE((r.narrowest[i] < 0
-                         ? 1000
-                         : r.formats[r.narrowest[i]].parameters.precision) == narrowest);
+            REQUIRE((r.narrowest[i] < 0 ? 1000 : r.formats[r.narrowest[i]].parameters.precision) == narrowest);
         }
     }
 }

@@ -87,10 +87,8 @@ double compare(const Scene& s) {
         double want = missing;
         const Ray<double> ray = s.rays[i];
         if (wanted)
-            want = metric.value({.t = s.answers[i],
-                                 .format = &s.format,
-                                 .ray = &ray,
-                                 .primitive = &s.primitives[s.objects[i]]});
+            want = metric.value(
+                {.t = s.answers[i], .format = &s.format, .ray = &ray, .primitive = &s.primitives[s.objects[i]]});
         if (std::bit_cast<std::uint64_t>(values[i]) == std::bit_cast<std::uint64_t>(want)) continue;
         if (++wrong < 5) UNSCOPED_INFO("ray " << i << ": " << std::hexfloat << values[i] << ", not " << want);
     }

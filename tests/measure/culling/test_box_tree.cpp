@@ -79,8 +79,7 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
         const std::vector<Primitive<double>> primitives = primitives_of(draw, size);
         scene::rays::RayBlock rays;
         for (int i = 0; i < 40; ++i) {
-            const Vec<double> origin =
-                i % 4 == 0 ? target(primitives[i], true) : draw.point(away);
+            const Vec<double> origin = i % 4 == 0 ? target(primitives[i], true) : draw.point(away);
             const std::size_t at = static_cast<std::size_t>(draw.in(0, 95.9));
             Vec<double> direction = i % 5 == 0 ? draw.point(1) : target(primitives[at], i % 2 == 0) - origin;
             if (direction == Vec<double>(0, 0, 0)) direction = {0, 0, 1};

@@ -239,9 +239,8 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets where squares 
         }
         scene::rays::RayBlock rays;
         for (int i = 0; i < 40; ++i) {
-            const Vec<double> to = primitives[2 * i].transform
-                                       ? primitives[2 * i].transform->map().shift
-                                       : scaled_by(rng.vec(-2, 2), own);
+            const Vec<double> to =
+                primitives[2 * i].transform ? primitives[2 * i].transform->map().shift : scaled_by(rng.vec(-2, 2), own);
             const Vec<double> direction = rng.vec(-1, 1);
             const double away = has_transform ? 16 : std::ldexp(8.0, i % 2 == 0 ? own : 0);
             rays.push({to - away * direction, direction});

@@ -77,9 +77,7 @@ TEST_CASE("bits needed agree with a map of all 52 widths", "[needed]") {
                 std::size_t wrong = 0;
                 for (std::size_t i = 0; i < values.size(); ++i) {
                     double expected = beyond_max_precision;
-                    const auto is_enough = [&](int p) {
-                        return maps[p - min_precision].suffices(i, bits);
-                    };
+                    const auto is_enough = [&](int p) { return maps[p - min_precision].suffices(i, bits); };
                     for (int p = max_precision; p >= min_precision && is_enough(p); --p) expected = p;
                     wrong += values[i] != expected;
                     beyond += expected == beyond_max_precision;

@@ -92,8 +92,7 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
         }
         const Vec<double> o(any(10), any(10), any(10));
         Vec<double> d;
-        for (int k = 0; k < 3; ++k)
-            d[k] = static_cast<float>(primitive.numbers[k] + any(1.2) - o[k]);
+        for (int k = 0; k < 3; ++k) d[k] = static_cast<float>(primitive.numbers[k] + any(1.2) - o[k]);
         if (random.index(8) == 0) d[random.index(3)] = 0;
         if (d.x == 0 && d.y == 0 && d.z == 0) d.x = 1;
         group.rays.push({o, d});

@@ -24,15 +24,16 @@ const auto barycentric_error = find_metric("barycentric_error") -> value,
            barycentric_sum = find_metric("barycentric_sum") -> value;
 
 template <class Form>
-Tape tape_of(const TriangleSample& s) {
+Tape tape_of(const TriangleSample& sample) {
     Tape tape;
     const number::recorders::TapeRecorder recorder(tape, binary32);
     const auto lift = [](const Vec<double>& v) {
         using T = Recorded;
         return Vec<T>(T(static_cast<float>(v.x)), T(static_cast<float>(v.y)), T(static_cast<float>(v.z)));
     };
-    static_cast<void>(Form::intersect(Ray<Recorded>{lift(s.ray.origin), lift(s.ray.direction)},
-                                      Triangle<Recorded>{lift(s.triangle.a), lift(s.triangle.b), lift(s.triangle.c)}));
+    static_cast<void>(
+        Form::intersect(Ray<Recorded>{lift(sample.ray.origin), lift(sample.ray.direction)},
+                        Triangle<Recorded>{lift(sample.triangle.a), lift(sample.triangle.b), lift(sample.triangle.c)}));
     return tape;
 }
 
@@ -66,13 +67,13 @@ TEST_CASE("the error of barycentric weights agrees with fractions for every form
     const Format format = *find_format("f32");
     std::map<std::string_view, int> asked, wrong, exact;
     for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution& distribution,
-                                                         const TriangleSample& s) {
-        const TriangleAnswer right = answer_of(s);
+                                                         const TriangleSample& sample) {
+        const TriangleAnswer right = answer_of(sample);
         if (!right.meets()) return;
         const std::array<Rational, 3> weights{right.u, right.v, right.w};
-        const Primitive<double> primitive(s.triangle);
+        const Primitive<double> primitive(sample.triangle);
         TriangleForms::for_each([&]<class Form>() {
-            const Tape tape = tape_of<Form>(s);
+            const Tape tape = tape_of<Form>(sample);
             Rational most(0);
             bool finite = true, any = false;
             for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -84,7 +85,7 @@ TEST_CASE("the error of barycentric weights agrees with fractions for every form
             }
             const RayAttribution blame{.tape = &tape};
             const double error = barycentric_error(Sample{.format = &format,
-                                                          .ray = &s.ray,
+                                                          .ray = &sample.ray,
                                                           .primitive = &primitive,
                                                           .attribution = &blame,
                                                           .weights = Form::info.weights});

@@ -56,14 +56,14 @@ void compare_derivatives() {
     CHECK(hits > 50);
 }
 
-double derivative_error(const Intersector& form, const char* format, const Setting& s) {
+double derivative_error(const Intersector& form, const char* format, const Setting& setting) {
     const Format in = *find_format(format);
     measure::attribution::Attributor attributor(form, in, {}, false);
-    const auto blame = attributor.attribute_ray(s.ray, s.target(form));
+    const auto blame = attributor.attribute_ray(setting.ray, setting.target(form));
     return measure::metric::find_metric("derivative_error")
         ->value({.format = &in,
-                 .ray = &s.ray,
-                 .primitive = &s.primitives.front(),
+                 .ray = &setting.ray,
+                 .primitive = &setting.primitives.front(),
                  .attribution = &blame,
                  .direction = form.info->direction});
 }

@@ -44,7 +44,7 @@ struct Explained {
     [[nodiscard]] std::string_view decision(Outcome of) {
         outcome = of;
         const auto names = measure::metric::find_metric("cestac_decision")->categories;
-        return names[metric("cestac_decision")];
+        return names[static_cast<std::size_t>(metric("cestac_decision"))];
     }
 };
 

@@ -42,8 +42,8 @@ TEST_CASE("a spread covers the draws that have the number, and its median is one
 }
 
 TEST_CASE("a claim's interval is the range of its draws plus half of it on either side, within possible values") {
-    const auto interval = [](const scene::check::Claim& c, double own, std::vector<double> further) {
-        const auto s = check::expected_interval(c, result_of(own, std::move(further)));
+    const auto interval = [](const scene::check::Claim& claim, double own, std::vector<double> further) {
+        const auto s = check::expected_interval(claim, result_of(own, std::move(further)));
         return std::pair(s.low, s.high);
     };
     CHECK(interval(claim_about("lost_bits_p50"), 10, {12, 11}) == std::pair(9.0, 13.0));

@@ -34,7 +34,7 @@ struct Measured {
         const PointWork work(of, HitPointKind::computed, primitives, nullptr, light, strategies);
         REQUIRE(work.measure({ray, t, 0}, sides, at));
     }
-    [[nodiscard]] const SideOfPoint& side_of_point(Side side) const { return sides[side]; }
+    [[nodiscard]] const SideOfPoint& side_of_point(Side side) const { return sides[static_cast<std::size_t>(side)]; }
     [[nodiscard]] const StrategyAtPoint& by(std::string_view name, Side side) const {
         const auto all = strategies();
         const auto k = std::ranges::find(all, name, &Strategy::name) - all.begin();
@@ -239,7 +239,7 @@ TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it
 
 TEST_CASE("offsets: every kind of primitive has a default form", "[measure][offset]") {
     for (const ShapeRow& shape : shape_rows) {
-        const auto name = usual_forms()[shape.shape];
+        const auto name = usual_forms()[static_cast<std::size_t>(shape.shape)];
         const auto& form = test::form_named(name);
         CHECK(form.shape == shape.shape);
         CHECK(can_measure_offsets(form));

@@ -93,17 +93,17 @@ TEST_CASE("the segment between two points passes through a primitive or does not
 }
 
 TEST_CASE("a number with a given index has that index in every format", "[measure][offset]") {
-    for (const FloatFormat& f : {binary32, binary64, binary16, bfloat16, FloatFormat{5, -1022, 1023}}) {
+    for (const FloatFormat& format : {binary32, binary64, binary16, bfloat16, FloatFormat{5, -1022, 1023}}) {
         Seeded random(7);
         for (int k = 0; k < 2000; ++k) {
-            const std::int64_t infinity = measure::truth::ordinal(HUGE_VAL, f);
+            const std::int64_t infinity = measure::truth::ordinal(HUGE_VAL, format);
             const std::int64_t n = (static_cast<std::int64_t>(random.bits(62)) >> random.index(61)) % infinity;
-            CAPTURE(n, f.precision);
-            REQUIRE(measure::truth::ordinal(measure::truth::number_at(n, f), f) == n);
-            REQUIRE(measure::truth::ordinal(measure::truth::number_at(-n, f), f) == -n);
+            CAPTURE(n, format.precision);
+            REQUIRE(measure::truth::ordinal(measure::truth::number_at(n, format), format) == n);
+            REQUIRE(measure::truth::ordinal(measure::truth::number_at(-n, format), format) == -n);
         }
-        CHECK(measure::truth::number_at(0, f) == 0);
-        CHECK(measure::truth::number_at(1, f) == std::ldexp(1.0, f.emin - f.precision + 1));
+        CHECK(measure::truth::number_at(0, format) == 0);
+        CHECK(measure::truth::number_at(1, format) == std::ldexp(1.0, format.emin - format.precision + 1));
     }
 }
 
@@ -111,7 +111,7 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
     using measure::offset::OffsetVerdict;
     using measure::offset::smallest_enough;
     Seeded random(11);
-    for (const FloatFormat& f : {binary32, binary64, bfloat16}) {
+    for (const FloatFormat& format : {binary32, binary64, bfloat16}) {
         for (int k = 0; k < 500; ++k) {
             const double least = random.magnitude(-60, 3), most = least * random.uniform(1, 3);
             const double start = random.magnitude(-70, -10);
@@ -120,19 +120,21 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
                        : e > most ? OffsetVerdict::too_much
                                   : OffsetVerdict::enough;
             };
-            const double found = smallest_enough(f, start, 64, verdict_of);
-            CAPTURE(least, most, start, found, f.precision);
+            const double found = smallest_enough(format, start, 64, verdict_of);
+            CAPTURE(least, most, start, found, format.precision);
             const std::int64_t place = measure::truth::ordinal(
-                measure::truth::number_at(measure::truth::ordinal(rounding::to_format(least, 0, f), f), f), f);
-            double expected = measure::truth::number_at(place, f);
-            if (expected < least) expected = measure::truth::number_at(place + 1, f);
+                measure::truth::number_at(measure::truth::ordinal(rounding::to_format(least, 0, format), format),
+                                          format),
+                format);
+            double expected = measure::truth::number_at(place, format);
+            if (expected < least) expected = measure::truth::number_at(place + 1, format);
             if (expected > most) CHECK(std::isinf(found));
             else CHECK(found == expected);
         }
         const auto never = [](double) { return OffsetVerdict::too_little; };
-        CHECK(std::isinf(smallest_enough(f, 0x1p-20, 64, never)));
+        CHECK(std::isinf(smallest_enough(format, 0x1p-20, 64, never)));
         const auto always = [](double) { return OffsetVerdict::enough; };
-        CHECK(smallest_enough(f, 0x1p-20, 64, always) == 0);
+        CHECK(smallest_enough(format, 0x1p-20, 64, always) == 0);
     }
 }
 

@@ -42,8 +42,8 @@ Vec<double> moved_in_float(const PointWork::HitPoint& hit_point, Side side, doub
 /// Exact check of a float offset, by rationals.
 bool is_truly_safe(const PointWork& work, const ScenePoints& points, std::size_t k, Side side, double e) {
     const PointWork::HitPoint hit_point = work.hit_point(points.met[k]).value();
-    for (const NewRay& r : work.rays(points.met[k], *all_strategies().front(), side)) {
-        const Ray<double> ray{moved_in_float(hit_point, side, e), r.ray.direction};
+    for (const NewRay& new_ray : work.rays(points.met[k], *all_strategies().front(), side)) {
+        const Ray<double> ray{moved_in_float(hit_point, side, e), new_ray.ray.direction};
         const auto exact = test::exact_meeting({ray, 0}, points.primitives[points.met[k].primitive]);
         if (side == Side::outside ? exact.meets : exact.outside || !exact.meets) return false;
     }
@@ -67,7 +67,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
                     std::vector<StrategyAtPoint> at(2 * strategies.size());
                     if (!work.measure(points.met[k], sides, at)) continue;
                     for (const Side side : both_sides) {
-                        const SideOfPoint& s = sides[side];
+                        const SideOfPoint& s = sides[static_cast<std::size_t>(side)];
                         for (const bool by_form : {false, true}) {
                             const double e = by_form ? s.quiet_offset : s.safe_offset;
                             CAPTURE(scene, format, name_of(point), name_of(side), by_form, k, e);
@@ -109,16 +109,17 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
             const Primitive<double> own = points.primitives[points.met[k].primitive];
             for (const Strategy* s : strategies) {
                 for (const Side side : both_sides) {
-                    for (const NewRay& r : work.rays(points.met[k], *s, side)) {
-                        for (std::size_t f = 0; f < seen.size(); ++f) seen[f] += (r.faults >> f) & 1U ? 1 : 0;
-                        const auto ahead = test::exact_meeting({r.ray, r.tmin}, own);
-                        const auto there = test::exact_meeting({r.ray, 0}, own);
+                    for (const NewRay& new_ray : work.rays(points.met[k], *s, side)) {
+                        for (std::size_t f = 0; f < seen.size(); ++f) seen[f] += (new_ray.faults >> f) & 1U ? 1 : 0;
+                        const auto ahead = test::exact_meeting({new_ray.ray, new_ray.tmin}, own);
+                        const auto there = test::exact_meeting({new_ray.ray, 0}, own);
                         const bool out = side == Side::outside;
                         CAPTURE(scene, k, s->name, name_of(side));
-                        CHECK(r.has(Fault::wrong_side) == (out ? there.inside : there.outside));
-                        CHECK(r.has(Fault::self_hit) ==
-                              (r.tests_departed_primitive && ahead.meets && (out || ahead.outside)));
-                        CHECK(r.has(Fault::lost_exit) == (!out && (!r.tests_departed_primitive || !ahead.meets)));
+                        CHECK(new_ray.has(Fault::wrong_side) == (out ? there.inside : there.outside));
+                        CHECK(new_ray.has(Fault::self_hit) ==
+                              (new_ray.tests_departed_primitive && ahead.meets && (out || ahead.outside)));
+                        CHECK(new_ray.has(Fault::lost_exit) ==
+                              (!out && (!new_ray.tests_departed_primitive || !ahead.meets)));
                     }
                 }
             }
@@ -126,8 +127,8 @@ TEST_CASE("faults of next rays agree with rational arithmetic", "[measure][offse
     }
     for (const Fault f : {Fault::self_hit, Fault::self_hit_by_form, Fault::lost_occluder, Fault::lost_exit,
                           Fault::lost_exit_by_form, Fault::wrong_side}) {
-        INFO(fault_names[f]);
-        CHECK(seen[f] > 0);
+        INFO(fault_names[static_cast<std::size_t>(f)]);
+        CHECK(seen[static_cast<std::size_t>(f)] > 0);
     }
 }
 

@@ -132,7 +132,7 @@ TEST_CASE("a small sphere above another is skipped, entered or seen, depending o
         const PointWork work(of, HitPointKind::computed, primitives, nullptr, std::nullopt, strategies);
         const auto rays = work.rays(pole, named(name), Side::outside);
         CHECK(rays.size() == 18);
-        return std::ranges::count_if(rays, [&](const NewRay& r) { return r.has(fault); });
+        return std::ranges::count_if(rays, [&](const NewRay& new_ray) { return new_ray.has(fault); });
     };
     // From 3 to 5 ten-thousandths above: the ray along the normal, twice (mirrored and up), meets it.
     const double above = 1 + 0x1.a36e2ep-12, radius = 0x1.a36e2ep-14;

@@ -24,10 +24,10 @@ inline const std::vector<Stage> all_stages{Stage::visible, Stage::diffuse, Stage
 inline std::vector<measure::evaluate::TestedForm> rows_of(const std::vector<std::string>& formats,
                                                           std::string_view only = "") {
     std::vector<measure::evaluate::TestedForm> tested_forms;
-    for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
+    for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
         for (const auto& name : formats)
-            if ((only.empty() || f.info->name == only) && f.exists_in(*find_format(name)))
-                tested_forms.push_back({&f, *find_format(name)});
+            if ((only.empty() || form.info->name == only) && form.exists_in(*find_format(name)))
+                tested_forms.push_back({&form, *find_format(name)});
     }
     return tested_forms;
 }

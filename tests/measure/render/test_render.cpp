@@ -122,11 +122,11 @@ TEST_CASE("a picture in p53 has the bits of f64, and one in p24 the bits of f32"
     for (const char* name : {"raycast-course.pixels", "raycast-acne.ulp4"}) {
         const scene::file::Scene s = load(name, 32, 24);
         for (const auto& [native, emulated] : {std::pair{"f64", "p53"}, std::pair{"f32", "p24"}}) {
-            for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
-                if (f.info->formats != intersect::Formats::all) continue;
-                CAPTURE(name, f.info->name, native);
-                const std::vector<measure::evaluate::TestedForm> tested_forms{{&f, *find_format(native)},
-                                                                              {&f, *find_format(emulated)}};
+            for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
+                if (form.info->formats != intersect::Formats::all) continue;
+                CAPTURE(name, form.info->name, native);
+                const std::vector<measure::evaluate::TestedForm> tested_forms{{&form, *find_format(native)},
+                                                                              {&form, *find_format(emulated)}};
                 const Collected run({.scene = s, .stages = {s.appearance.last_stage()}, .tested_forms = tested_forms});
                 CHECK(same(run.pictures[0][0], run.pictures[1][0]));
                 CHECK(run.shadows[0] == run.shadows[1]);

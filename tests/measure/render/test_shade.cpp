@@ -91,16 +91,16 @@ TEST_CASE("a primitive blocks light only between point and light, the point's ow
     ray({6, 0, 0}, {3, 0, 0}, 1);    // through its own
     ray({0, 9, 0}, {5, 9, 0}, -1);   // past all
     ray({5.5, 0, 0}, {3, 0, 0}, 1);  // from below its own surface
-    for (const intersect::table::Intersector& f : intersect::table::intersectors(Shape::sphere)) {
-        if (f.info->direction == intersect::Direction::unit) continue;
+    for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::sphere)) {
+        if (form.info->direction == intersect::Direction::unit) continue;
         for (const char* name : {"f32", "f64", "bf16"}) {
             const Format format = *find_format(name);
-            if (!f.exists_in(format)) continue;
-            CAPTURE(f.info->name, name);
+            if (!form.exists_in(format)) continue;
+            CAPTURE(form.info->name, name);
             const measure::truth::FormatInputs among{.format = format, .primitives = primitives};
-            const auto skipped = find_blockers(f, format, rays, among, false);
+            const auto skipped = find_blockers(form, format, rays, among, false);
             CHECK(skipped == std::vector<std::uint8_t>{blocked_by_other, 0, 0, blocked_by_other, 0, 0, 0});
-            const auto held = find_blockers(f, format, rays, among, true);
+            const auto held = find_blockers(form, format, rays, among, true);
             CHECK((held[0] & blocked_by_other) != 0);
             CHECK((held[3] & blocked_by_other) != 0);
             CHECK(held[5] == 0);

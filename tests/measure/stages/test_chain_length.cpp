@@ -1,5 +1,5 @@
-// Number of consecutive roundings in a bound of `RunningError`: counted through the spans of all shapes, with a transform
-// too, and through the stages. Also a sum whose words overflow internally, which decides nothing.
+// Number of consecutive roundings in a bound of `RunningError`: counted through the spans of all shapes, with a
+// transform too, and through the stages. Also a sum whose words overflow internally, which decides nothing.
 #include <algorithm>
 #include <array>
 #include <bit>

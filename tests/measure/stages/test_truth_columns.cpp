@@ -29,14 +29,14 @@ template <class S>
 class Columns {
 public:
     explicit Columns(std::span<const Problem> problems) : size_(problems.size()) {
-        for (const Problem& p : problems) {
+        for (const Problem& problem : problems) {
             for (int k = 0; k < 3; ++k) {
-                numbers_[k].push_back(static_cast<S>(p.ray.origin[k]));
-                numbers_[static_cast<std::size_t>(k) + 3].push_back(static_cast<S>(p.ray.direction[k]));
+                numbers_[k].push_back(static_cast<S>(problem.ray.origin[k]));
+                numbers_[static_cast<std::size_t>(k) + 3].push_back(static_cast<S>(problem.ray.direction[k]));
             }
-            for (std::size_t k = 0; k < 6; ++k) numbers_[6 + k].push_back(static_cast<S>(p.primitive.numbers[k]));
-            numbers_[12].push_back(static_cast<S>(p.range.tmax));
-            numbers_[13].push_back(static_cast<S>(p.range.tmin));
+            for (std::size_t k = 0; k < 6; ++k) numbers_[6 + k].push_back(static_cast<S>(problem.primitive.numbers[k]));
+            numbers_[12].push_back(static_cast<S>(problem.range.tmax));
+            numbers_[13].push_back(static_cast<S>(problem.range.tmin));
         }
         open_ends_ = problems.front().range.open_ends;
         shape_ = problems.front().primitive.shape;
@@ -64,9 +64,9 @@ private:
 };
 
 /// One of the numbers of a problem: first those of its ray, then those of its primitive.
-double& number_of(Problem& p, std::size_t k) {
-    if (k >= 6) return p.primitive.numbers[k - 6];
-    return k < 3 ? p.ray.origin[static_cast<int>(k)] : p.ray.direction[static_cast<int>(k) - 3];
+double& number_of(Problem& problem, std::size_t k) {
+    if (k >= 6) return problem.primitive.numbers[k - 6];
+    return k < 3 ? problem.ray.origin[static_cast<int>(k)] : problem.ray.direction[static_cast<int>(k) - 3];
 }
 
 const measure::truth::CertifiedNumber& length_of(const Truth& truth, Length length) {
@@ -147,8 +147,10 @@ TEST_CASE("truth columns: every register width gives the same bits") {
         for (const bool ranged : {false, true}) {
             Seeded rng(15);
             std::vector<Problem> problems = problems_of(shape, binary32, 97);
-            for (Problem& p : problems)
-                if (ranged) p.range = range_about_primitive(rng, p.ray, p.primitive, binary32), p.range.open_ends = {};
+            for (Problem& problem : problems)
+                if (ranged)
+                    problem.range = range_about_primitive(rng, problem.ray, problem.primitive, binary32),
+                    problem.range.open_ends = {};
             for (const Length length : {Length::parameter, Length::distance}) {
                 std::optional<TruthColumns> floats, doubles;
                 at_every_width([&](intersect::simd::Isa isa) {
@@ -177,21 +179,21 @@ TEST_CASE("truth columns: every register width gives the same bits") {
 
 TEST_CASE("truth columns: invalid rays and primitives get no answer") {
     constexpr double inf = HUGE_VAL, none = std::numeric_limits<double>::quiet_NaN();
-    const auto says = []<class S>(const Problem& p, S) {
+    const auto says = []<class S>(const Problem& problem, S) {
         TruthColumns found;
         bool any = false;
         at_every_width([&](intersect::simd::Isa) {
             for (const Length length : {Length::parameter, Length::distance}) {
-                find_truth_columns(Columns<S>(std::span(&p, 1)).get(),
+                find_truth_columns(Columns<S>(std::span(&problem, 1)).get(),
                                    {.length = length, .tightness = Tightness::ulps_of_binary32}, found);
                 any |= found.single_truths.empty() || found.decision[0] != Truth::Decision::miss;
             }
         });
         return any;
     };
-    const auto check_none = [&says](const Problem& p) {
-        CHECK_FALSE(says(p, float{}));
-        CHECK_FALSE(says(p, double{}));
+    const auto check_none = [&says](const Problem& problem) {
+        CHECK_FALSE(says(problem, float{}));
+        CHECK_FALSE(says(problem, double{}));
     };
     const Ray<double> ray{{0, 0.125, 4}, {0, 0.0625, -1}};
     const Problem ball{ray, Sphere<double>{{0, 0, 0}, 1}}, box{ray, Box<double>{{-1, -1, -1}, {1, 1, 1}}};
@@ -199,13 +201,13 @@ TEST_CASE("truth columns: invalid rays and primitives get no answer") {
         number_of(p, k) = x;
         return p;
     };
-    for (const Problem& p : {ball, box}) {
-        CHECK((says(p, float{}) && says(p, double{})));
-        for (std::size_t k = 0; k < 6 + p.primitive.shape_numbers().size(); ++k)
-            for (const double bad : {none, inf, -inf}) check_none(with(p, k, bad));
-        check_none({{ray.origin, {0, 0, 0}}, p.primitive});
-        for (const double bad : {none, -1.0, inf}) check_none({ray, p.primitive, {.tmin = bad}});
-        for (const double end : {none, -1.0, 0.0}) check_none({ray, p.primitive, {.tmax = end}});
+    for (const Problem& problem : {ball, box}) {
+        CHECK((says(problem, float{}) && says(problem, double{})));
+        for (std::size_t k = 0; k < 6 + problem.primitive.shape_numbers().size(); ++k)
+            for (const double bad : {none, inf, -inf}) check_none(with(problem, k, bad));
+        check_none({{ray.origin, {0, 0, 0}}, problem.primitive});
+        for (const double bad : {none, -1.0, inf}) check_none({ray, problem.primitive, {.tmin = bad}});
+        for (const double end : {none, -1.0, 0.0}) check_none({ray, problem.primitive, {.tmax = end}});
     }
     for (const double radius : {0.0, -1.0}) check_none(with(ball, 9, radius));
     check_none(with(box, 6, 2));  // lo > hi
@@ -226,7 +228,7 @@ TEST_CASE("truth columns: any number of rays works at every register width, and 
     });
     // One sphere for all rays, as one number per column and as many.
     std::vector<Problem> same = problems;
-    for (Problem& p : same) p.primitive = Sphere<double>{{1, 2, 3}, 4};
+    for (Problem& problem : same) problem.primitive = Sphere<double>{{1, 2, 3}, 4};
     const Columns<double> columns(same);
     auto narrow = columns.get();
     for (auto& column : narrow.primitive) column = column.first(std::min<std::size_t>(column.size(), 1));

@@ -52,7 +52,7 @@ const std::string by_hand =
 FormSummary summary_of(std::initializer_list<std::pair<Outcome, std::uint64_t>> counts, double excess) {
     FormSummary s;
     for (const auto& [outcome, n] : counts) {
-        s.outcomes[outcome] = n;
+        s.outcomes[static_cast<std::size_t>(outcome)] = n;
         s.rays += n;
     }
     s.metrics = std::vector<measure::metric::Distribution>(2);

@@ -55,8 +55,8 @@ void check_same(const FormSummary& together, const FormSummary& summed) {
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         INFO(metrics[m]->name);
         CHECK(together.metrics[m].count() == summed.metrics[m].count());
-        for (const measure::metric::Statistic& s : measure::metric::statistics)
-            CHECK(same(s.of(together.metrics[m]), s.of(summed.metrics[m])));
+        for (const measure::metric::Statistic& statistic : measure::metric::statistics)
+            CHECK(same(statistic.of(together.metrics[m]), statistic.of(summed.metrics[m])));
     }
     check_same(together.worst, summed.worst);
     for (std::size_t kind = 0; kind < together.faults.size(); ++kind) {

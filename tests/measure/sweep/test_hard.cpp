@@ -63,9 +63,9 @@ TEST_CASE("every hard ray has the measured value in its name") {
         }
         CHECK(rows.size() == file.size());  // a row is named once
         if (!file.accepts(Shape::sphere)) continue;
-        for (const measure::evaluate::TestedForm& r : all_rows(Shape::sphere, {"f32", "f64"})) {
-            INFO(file.id << " lacks " << r.form->info->name << " in " << r.format.name);
-            CHECK(rows.count(std::string(r.form->info->name) + " " + r.format.name) == 1);
+        for (const measure::evaluate::TestedForm& tested_form : all_rows(Shape::sphere, {"f32", "f64"})) {
+            INFO(file.id << " lacks " << tested_form.form->info->name << " in " << tested_form.format.name);
+            CHECK(rows.count(std::string(tested_form.form->info->name) + " " + tested_form.format.name) == 1);
         }
     }
     CHECK(files >= 2);

@@ -46,7 +46,7 @@ bool equal(const std::optional<WorstResult>& a, const std::optional<WorstResult>
                   (a->t == b->t || std::isnan(a->t)) && a->evaluations == b->evaluations);
 }
 
-bool is_of(double x, const FloatFormat& f) { return rounding::to_format(x, 0, f) == x; }
+bool is_of(double x, const FloatFormat& format) { return rounding::to_format(x, 0, format) == x; }
 
 /// One ray with one form alone, and its truth computed again.
 struct Alone {
@@ -143,12 +143,12 @@ TEST_CASE("a search reports for its worst ray what that ray measures alone") {
         SearchFile search(folder / (std::string(name) + ".toml"));
         search.starts = 2;
         search.generations = 16;
-        for (const TestedForm& r : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"),
-                                    row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
-            CAPTURE(name, r.form->info->name, r.format.name);
-            const auto found = worst_of(search, r);
+        for (const TestedForm& tested_form : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"),
+                                              row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
+            CAPTURE(name, tested_form.form->info->name, tested_form.format.name);
+            const auto found = worst_of(search, tested_form);
             REQUIRE(found.has_value());
-            const Alone alone(r, found->ray, found->primitive);
+            const Alone alone(tested_form, found->ray, found->primitive);
             CHECK(search.contains(found->ray, found->primitive));
             const bool agrees = found->outcome == Outcome::agree_hit;
             (agrees ? hits : wrong) += 1;

@@ -41,7 +41,7 @@ template <class F>
 std::map<TapeOp, int> operations_of(const F& f) {
     const Tape tape = contract_tape(tape_of_four(f));
     std::map<TapeOp, int> counts;
-    for (const TapeNode& n : tape.nodes) ++counts[n.op];
+    for (const TapeNode& node : tape.nodes) ++counts[node.op];
     return counts;
 }
 
@@ -62,9 +62,9 @@ TEST_CASE("a product that is only added is fused, and one that is used elsewhere
     CHECK(operations_of(two)[TapeOp::fma] == 1);
     CHECK(operations_of(two)[TapeOp::mul] == 1);
     const Tape tape = contract_tape(tape_of_four(two));
-    for (const TapeNode& n : tape.nodes) {
-        if (n.op != TapeOp::mul) continue;
-        CHECK(n.operands[0] == 2);  // c: a b, which stands on the left, is within the sum
+    for (const TapeNode& node : tape.nodes) {
+        if (node.op != TapeOp::mul) continue;
+        CHECK(node.operands[0] == 2);  // c: a b, which stands on the left, is within the sum
     }
     const auto three = [](auto a, auto b, auto c, auto d) { return (a * b + c * d) + a * d; };
     CHECK(operations_of(three)[TapeOp::fma] == 2);
@@ -91,11 +91,11 @@ namespace {
 
 /// Answer of compiled code for one ray.
 template <class F>
-Hit<double> compiled(EvaluatePlain<F> ask, const Setting& s) {
-    const auto &o = s.ray.origin, &d = s.ray.direction;
+Hit<double> compiled(EvaluatePlain<F> ask, const Setting& setting) {
+    const auto &o = setting.ray.origin, &d = setting.ray.direction;
     std::vector<F> in;
     for (const double x : {o.x, o.y, o.z, d.x, d.y, d.z}) in.push_back(static_cast<F>(x));
-    for (const double x : s.primitives.front().shape_numbers()) in.push_back(static_cast<F>(x));
+    for (const double x : setting.primitives.front().shape_numbers()) in.push_back(static_cast<F>(x));
     F t, near, far;
     unsigned char hit = 0;
     ask(in.data(), &t, &near, &far, &hit);
@@ -138,7 +138,7 @@ TEST_CASE("a contracted form has the bits of code that the compiler contracts", 
         if (form.native64) CHECK(differing(form, f64, rows[i].f64, 300) == 0);
         ++forms;
         changed += std::ranges::any_of(contract_tape(record_tape(form, f32)).nodes,
-                                       [](const TapeNode& n) { return n.op == TapeOp::fma; });
+                                       [](const TapeNode& node) { return node.op == TapeOp::fma; });
     }
     CHECK(forms > 80);
     CHECK(changed > 75);

@@ -63,11 +63,11 @@ std::vector<Hit<double>> in_columns(const Format& format, const TapeProgram& pro
 }
 
 /// A tape of float and double node by node, by the rounding that the emulated formats use.
-Hit<double> node_by_node(const Tape& tape, const Setting& s) {
+Hit<double> node_by_node(const Tape& tape, const Setting& setting) {
     namespace attribution = measure::attribution;
-    std::vector<double> inputs{s.ray.origin.x,    s.ray.origin.y,    s.ray.origin.z,
-                               s.ray.direction.x, s.ray.direction.y, s.ray.direction.z};
-    for (const double x : s.primitives.front().shape_numbers()) inputs.push_back(x);
+    std::vector<double> inputs{setting.ray.origin.x,    setting.ray.origin.y,    setting.ray.origin.z,
+                               setting.ray.direction.x, setting.ray.direction.y, setting.ray.direction.z};
+    for (const double x : setting.primitives.front().shape_numbers()) inputs.push_back(x);
     inputs.push_back(HUGE_VAL);
     std::vector<double> value(tape.nodes.size());
     const auto at = [&](NodeId i) -> double& { return value[i]; };

@@ -167,10 +167,10 @@ TEST_CASE("every row has a kernel at every register width", "[trade]") {
     const auto kernels = measure::trade::trade_kernels(
         {row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
     CHECK(kernels.size() == 3 * intersect::simd::available_isas().size());
-    for (const measure::trade::TradeKernel& k : kernels) {
-        CHECK((k.f32 != nullptr) == (k.measured.format.name == "f32"));
-        CHECK((k.f64 != nullptr) == (k.measured.format.name == "f64"));
-        if (k.isa == "scalar" && k.f32) CHECK(k.f32 == k.measured.form->native32);
+    for (const measure::trade::TradeKernel& kernel : kernels) {
+        CHECK((kernel.f32 != nullptr) == (kernel.measured.format.name == "f32"));
+        CHECK((kernel.f64 != nullptr) == (kernel.measured.format.name == "f64"));
+        if (kernel.isa == "scalar" && kernel.f32) CHECK(kernel.f32 == kernel.measured.form->native32);
     }
 }
 
@@ -206,8 +206,8 @@ TEST_CASE("every row is timed in every round, and the thread's affinity is resto
     const auto timings = measure::trade::time_interleaved(
         work, {.repetitions = 4, .min_seconds = 1e-6, .seed = 2, .progress = [&done](std::uint64_t n) { done += n; }});
     REQUIRE(timings.size() == 3);
-    for (const measure::trade::Timing& t : timings)
-        CHECK((t.median > 0 && t.low_quartile <= t.median && t.median <= t.high_quartile));
+    for (const measure::trade::Timing& timing : timings)
+        CHECK((timing.median > 0 && timing.low_quartile <= timing.median && timing.median <= timing.high_quartile));
     for (const int n : calls) CHECK(n > 4);
     CHECK(done == 12);
     CHECK(std::ranges::all_of(processors, [&](int p) { return p == processors.front(); }));

@@ -31,10 +31,10 @@ inline Box<double> random_box(Seeded& rng, double low, double high) {
     return box_between(a, b);
 }
 
-inline BoxSample in_storage(BoxSample s, const FloatFormat& f) {
-    return {{stored(s.ray.origin, f), stored(s.ray.direction, f)},
-            {stored(s.box.lo, f), stored(s.box.hi, f)},
-            stored(s.tmax, f)};
+inline BoxSample in_storage(BoxSample s, const FloatFormat& format) {
+    return {{stored(s.ray.origin, format), stored(s.ray.direction, format)},
+            {stored(s.box.lo, format), stored(s.box.hi, format)},
+            stored(s.tmax, format)};
 }
 
 /// All lengths times 2^lengths and the direction times 2^direction: t is multiplied by 2^(lengths − direction).
@@ -92,8 +92,7 @@ inline BoxSample through(Seeded& rng, const Box<double>& box, const Vec<double>&
 }
 
 inline std::array<int, 3> shuffled(Seeded& rng, std::array<int, 3> v) {
-    for (int i = 2; i > 0; --i)
-        std::swap(v[i], v[rng.index(i + 1)]);
+    for (int i = 2; i > 0; --i) std::swap(v[i], v[rng.index(i + 1)]);
     return v;
 }
 

@@ -7,16 +7,16 @@
 namespace lostbits::test {
 namespace {
 
-BoxSample random_ray(Seeded& rng, const FloatFormat& f) {
+BoxSample random_ray(Seeded& rng, const FloatFormat& format) {
     const Box<double> box = random_box(rng, -5, 5);
     const Vec<double> origin = rng.vec(-12, 12);
     const Vec<double> target = rng.vec(-6, 6);
     const double tmax = rng.index(3) == 0 ? rng.uniform(0, 2) : HUGE_VAL;
-    return in_storage({{origin, target - origin}, box, tmax}, f);
+    return in_storage({{origin, target - origin}, box, tmax}, format);
 }
 
 /// At a point of an edge or a corner, as near as rounded directions come: every rounding of a form may decide.
-BoxSample at_edge(Seeded& rng, const FloatFormat& f) {
+BoxSample at_edge(Seeded& rng, const FloatFormat& format) {
     const Box<double> box = random_box(rng, -5, 5);
     const Vec<double> origin = rng.vec(-12, 12);
     Vec<double> target = rng.vec(-5, 5);
@@ -25,7 +25,7 @@ BoxSample at_edge(Seeded& rng, const FloatFormat& f) {
         target[i] =
             i != free ? (rng.coin() ? box.lo[i] : box.hi[i]) : std::fmin(std::fmax(target[i], box.lo[i]), box.hi[i]);
     }
-    return in_storage({{origin, target - origin}, box, HUGE_VAL}, f);
+    return in_storage({{origin, target - origin}, box, HUGE_VAL}, format);
 }
 
 /// In the plane of a face, crossing the face or passing it by.
@@ -65,12 +65,12 @@ BoxSample across_corner(Seeded& rng, const FloatFormat&) {
 }
 
 /// Across an edge or a corner, one number a few places off.
-BoxSample beside_edge(Seeded& rng, const FloatFormat& f) {
-    BoxSample s = rng.coin() ? across_edge(rng, f) : across_corner(rng, f);
+BoxSample beside_edge(Seeded& rng, const FloatFormat& format) {
+    BoxSample s = rng.coin() ? across_edge(rng, format) : across_corner(rng, format);
     Vec<double>* const vectors[] = {&s.ray.origin, &s.ray.direction, &s.box.lo, &s.box.hi};
     Vec<double>& v = *vectors[rng.index(4)];
     const int i = rng.index(3);
-    v[i] = nudged(v[i], rng.coin() ? rng.integer(-2, 2) : rng.signed_power(20), f);
+    v[i] = nudged(v[i], rng.coin() ? rng.integer(-2, 2) : rng.signed_power(20), format);
     s.box = box_between(s.box.lo, s.box.hi);
     return s;
 }
@@ -91,7 +91,7 @@ BoxSample axis_parallel(Seeded& rng, const FloatFormat&) {
 }
 
 /// Zero thickness on one, two or all three axes; aimed at the box exactly, or a little off.
-BoxSample flat_box(Seeded& rng, const FloatFormat& f) {
+BoxSample flat_box(Seeded& rng, const FloatFormat& format) {
     Box<double> box = integer_box(rng);
     const auto thick = shuffled(rng, {rng.coin() ? 1 : 0, rng.coin() ? 1 : 0, 0});
     std::array<int, 3> place{};
@@ -105,7 +105,7 @@ BoxSample flat_box(Seeded& rng, const FloatFormat& f) {
     BoxSample s = through(rng, box, point_of(rng, box, place), d);
     if (rng.index(4) == 0) {
         const int i = rng.index(3);
-        s.ray.origin[i] = nudged(s.ray.origin[i], rng.integer(-2, 2), f);
+        s.ray.origin[i] = nudged(s.ray.origin[i], rng.integer(-2, 2), format);
     }
     return s;
 }
@@ -124,26 +124,28 @@ BoxSample at_end(Seeded& rng, const FloatFormat&) {
 
 /// An exact meeting of planes or of a plane and the ray's end, seen from the world's origin; then the origin moves by a
 /// hair, and what decides is as many bits away.
-BoxSample by_a_hair(Seeded& rng, const FloatFormat& f) {
-    BoxSample s = rng.index(3) == 0 ? at_end(rng, f) : rng.coin() ? across_edge(rng, f) : across_corner(rng, f);
+BoxSample by_a_hair(Seeded& rng, const FloatFormat& format) {
+    BoxSample s = rng.index(3) == 0 ? at_end(rng, format)
+                  : rng.coin()      ? across_edge(rng, format)
+                                    : across_corner(rng, format);
     s.box.lo -= s.ray.origin;
     s.box.hi -= s.ray.origin;
     s.ray.origin = Vec<double>(0);
     for (int i = 0; i < 3; ++i) {
         if (rng.index(3) == 0) continue;
-        const double hair = std::ldexp(1.0, -static_cast<int>(rng.integer(20, f.precision - 1 - f.emin)));
+        const double hair = std::ldexp(1.0, -static_cast<int>(rng.integer(20, format.precision - 1 - format.emin)));
         s.ray.origin[i] = rng.coin() ? hair : -hair;
     }
     return s;
 }
 
-BoxSample far_away(Seeded& rng, const FloatFormat& f) {
+BoxSample far_away(Seeded& rng, const FloatFormat& format) {
     const Box<double> box = random_box(rng, -1, 1);
     const double distance = rng.magnitude(10, 40);
     const Vec<double> towards = rng.vec(-1, 1);
     const Vec<double> origin = -distance * towards;
     const Vec<double> target = rng.vec(-1.2, 1.2);
-    BoxSample s = in_storage({{origin, target - origin}, box, HUGE_VAL}, f);
+    BoxSample s = in_storage({{origin, target - origin}, box, HUGE_VAL}, format);
     if (rng.coin()) s = rescaled(s, 0, -static_cast<int>(rng.integer(0, 40)));
     return s;
 }
@@ -167,45 +169,47 @@ BoxSample on_boundary(Seeded& rng, const FloatFormat&) {
 }
 
 /// As `at_end`, the end a place before or after; or the entry itself rounded, when the end lies on either side.
-BoxSample about_end(Seeded& rng, const FloatFormat& f) {
+BoxSample about_end(Seeded& rng, const FloatFormat& format) {
     if (rng.coin()) {
-        BoxSample s = at_end(rng, f);
-        s.tmax = nudged(s.tmax, rng.coin() ? 1 : -1, f);
+        BoxSample s = at_end(rng, format);
+        s.tmax = nudged(s.tmax, rng.coin() ? 1 : -1, format);
         return s;
     }
-    BoxSample s = random_ray(rng, f);
+    BoxSample s = random_ray(rng, format);
     double entry = 0;
     for (int i = 0; i < 3; ++i) {
         entry = std::fmax(
             entry, ((s.ray.direction[i] > 0 ? s.box.lo[i] : s.box.hi[i]) - s.ray.origin[i]) / s.ray.direction[i]);
     }
-    s.tmax = nudged(stored(entry, f), rng.integer(-1, 1), f);
+    s.tmax = nudged(stored(entry, format), rng.integer(-1, 1), format);
     return s;
 }
 
 /// Lengths, directions or both below the normal range, where they lose their last bits: any ray may become any other.
-BoxSample subnormal(Seeded& rng, const FloatFormat& f) {
-    const int down = f.emin - f.precision + static_cast<int>(rng.integer(4, 30));
+BoxSample subnormal(Seeded& rng, const FloatFormat& format) {
+    const int down = format.emin - format.precision + static_cast<int>(rng.integer(4, 30));
     const int which = rng.index(3);
-    const BoxSample s = rng.coin() ? random_ray(rng, f) : across_edge(rng, f);
-    BoxSample r = in_storage(rescaled(s, which == 1 ? 0 : down, which == 0 ? 0 : down), f);
-    if (r.ray.direction == Vec<double>(0)) r.ray.direction.x = std::ldexp(1.0, f.emin - f.precision + 1);
+    const BoxSample s = rng.coin() ? random_ray(rng, format) : across_edge(rng, format);
+    BoxSample r = in_storage(rescaled(s, which == 1 ? 0 : down, which == 0 ? 0 : down), format);
+    if (r.ray.direction == Vec<double>(0)) r.ray.direction.x = std::ldexp(1.0, format.emin - format.precision + 1);
     return r;
 }
 
-BoxSample huge(Seeded& rng, const FloatFormat& f) {
-    const int up = f.emax - 14;
+BoxSample huge(Seeded& rng, const FloatFormat& format) {
+    const int up = format.emax - 14;
     const int which = rng.index(3);
-    const BoxSample s = rng.coin() ? random_ray(rng, f) : across_corner(rng, f);
-    BoxSample r = in_storage(rescaled(s, which == 1 ? 0 : up, which == 0 ? 0 : up), f);
-    if (!(r.tmax <= std::ldexp(1.0, f.emax))) r.tmax = HUGE_VAL;
+    const BoxSample s = rng.coin() ? random_ray(rng, format) : across_corner(rng, format);
+    BoxSample r = in_storage(rescaled(s, which == 1 ? 0 : up, which == 0 ? 0 : up), format);
+    if (!(r.tmax <= std::ldexp(1.0, format.emax))) r.tmax = HUGE_VAL;
     return r;
 }
 
 /// Every number of any size at all.
-BoxSample mixed_exponents(Seeded& rng, const FloatFormat& f) {
+BoxSample mixed_exponents(Seeded& rng, const FloatFormat& format) {
     const auto any = [&] {
-        return rng.index(8) == 0 ? zero(rng) : stored(rng.signed_magnitude(f.emin - f.precision + 2, f.emax - 2), f);
+        return rng.index(8) == 0
+                   ? zero(rng)
+                   : stored(rng.signed_magnitude(format.emin - format.precision + 2, format.emax - 2), format);
     };
     const auto vec = [&] {
         const double x = any(), y = any(), z = any();
@@ -222,8 +226,8 @@ BoxSample mixed_exponents(Seeded& rng, const FloatFormat& f) {
 }
 
 /// t = (lo − o)/2^k with one bit too many for a double or a float: half way between two neighbours, or beside it.
-BoxSample tie(Seeded& rng, const FloatFormat& f) {
-    const int axis = rng.index(3), p = f.precision;
+BoxSample tie(Seeded& rng, const FloatFormat& format) {
+    const int axis = rng.index(3), p = format.precision;
     const double odd = std::ldexp(static_cast<double>(2 * static_cast<std::int64_t>(rng.bits(p - 2)) + 1), 1 - p);
     Box<double> box{Vec<double>(-4), Vec<double>(4)};
     box.lo[axis] = 1 + odd / 2;
@@ -235,12 +239,12 @@ BoxSample tie(Seeded& rng, const FloatFormat& f) {
         d[i] = i == axis ? 1.0 : zero(rng);
         origin[i] = i == axis ? -std::ldexp(1.0, -j) : rng.uniform(-4.5, 4.5);
     }
-    if (rng.index(4) == 0) origin[axis] = nudged(origin[axis], rng.integer(-1, 1), f);
-    return rescaled(in_storage({{origin, d}, box, HUGE_VAL}, f), 0, static_cast<int>(rng.integer(-20, 20)));
+    if (rng.index(4) == 0) origin[axis] = nudged(origin[axis], rng.integer(-1, 1), format);
+    return rescaled(in_storage({{origin, d}, box, HUGE_VAL}, format), 0, static_cast<int>(rng.integer(-20, 20)));
 }
 
 /// The entry, or its distance, on a power of two, or off it by less than a bound of 2^-72 can tell.
-BoxSample power_of_two(Seeded& rng, const FloatFormat& f) {
+BoxSample power_of_two(Seeded& rng, const FloatFormat& format) {
     const double k = std::ldexp(1.0, rng.index(11) - 5);
     const auto small = [&] { return static_cast<double>(rng.index(15) - 7); };
     BoxSample s;
@@ -250,7 +254,8 @@ BoxSample power_of_two(Seeded& rng, const FloatFormat& f) {
     const double y = k * s.ray.direction.y, z = k * s.ray.direction.z;
     s.box = {{near, y - 3, z - 3}, {near + 5, y + 3, z + 3}};
     if (rng.index(8) == 0) s.ray.direction.x = -s.ray.direction.x;
-    if (rng.coin()) s.ray.origin.x = std::ldexp(rng.coin() ? 1.0 : -1.0, -75 - rng.index(f == binary32 ? 40 : 700));
+    if (rng.coin())
+        s.ray.origin.x = std::ldexp(rng.coin() ? 1.0 : -1.0, -75 - rng.index(format == binary32 ? 40 : 700));
     return s;
 }
 

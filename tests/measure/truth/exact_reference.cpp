@@ -125,25 +125,26 @@ bool is_in_binade(const CertifiedNumber& x, const std::function<int(const Dyadic
     return side(start) >= 0 && side(start.scaled(1)) < 0;
 }
 
-bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, const FloatFormat& f) {
+bool is_rounded(double rounded, const std::function<int(const Dyadic&)>& side, const FloatFormat& format) {
     if (!(rounded >= 0)) return false;
-    const Dyadic tick = Dyadic(1.0).scaled(f.emin - f.precision);  // half the smallest subnormal
-    const Dyadic end = Dyadic(1.0).scaled(f.emax + 1);             // what infinity stands in place of
+    const Dyadic tick = Dyadic(1.0).scaled(format.emin - format.precision);  // half the smallest subnormal
+    const Dyadic end = Dyadic(1.0).scaled(format.emax + 1);                  // what infinity stands in place of
     Dyadic value = end;
-    std::int64_t half_below = f.emax - f.precision, half_above = 0;  // exponents of half the gap to either neighbour
+    std::int64_t half_below = format.emax - format.precision,
+                 half_above = 0;  // exponents of half the gap to either neighbour
     bool even = true;
     if (rounded < HUGE_VAL) {
         value = Dyadic(rounded);
-        int e = f.emin;
+        int e = format.emin;
         bool power_of_two = false;
         if (rounded != 0) {
             int exponent = 0;
             power_of_two = std::frexp(rounded, &exponent) == 0.5;
-            e = std::max(exponent - 1, f.emin);
+            e = std::max(exponent - 1, format.emin);
         }
-        half_above = e - f.precision;
-        half_below = power_of_two && e > f.emin ? half_above - 1 : half_above;
-        const double significand = std::ldexp(rounded, static_cast<int>(f.precision - 1 - e));
+        half_above = e - format.precision;
+        half_below = power_of_two && e > format.emin ? half_above - 1 : half_above;
+        const double significand = std::ldexp(rounded, static_cast<int>(format.precision - 1 - e));
         if (significand != std::floor(significand) || compare(value, end) >= 0)
             return false;  // not a number of the format
         even = std::fmod(significand, 2) == 0;

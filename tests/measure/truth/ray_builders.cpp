@@ -41,22 +41,22 @@ RaySample rescaled(RaySample s, int lengths, int direction) {
     return s;
 }
 
-RaySample shuffled(Seeded& rng, const RaySample& s) {
+RaySample shuffled(Seeded& rng, const RaySample& sample) {
     const int first = rng.index(3), step = 1 + rng.index(2);
-    RaySample r = s;
+    RaySample r = sample;
     for (int i = 0; i < 3; ++i) {
         const int from = (first + i * step) % 3;
         const double sign = rng.sign();
-        r.ray.origin[i] = sign * s.ray.origin[from];
-        r.ray.direction[i] = sign * s.ray.direction[from];
-        r.sphere.centre[i] = sign * s.sphere.centre[from];
+        r.ray.origin[i] = sign * sample.ray.origin[from];
+        r.ray.direction[i] = sign * sample.ray.direction[from];
+        r.sphere.centre[i] = sign * sample.sphere.centre[from];
     }
     return r;
 }
 
-RaySample stored(const RaySample& s, const FloatFormat& f) {
-    return {{stored(s.ray.origin, f), stored(s.ray.direction, f)},
-            {stored(s.sphere.centre, f), stored(s.sphere.radius, f)}};
+RaySample stored(const RaySample& sample, const FloatFormat& format) {
+    return {{stored(sample.ray.origin, format), stored(sample.ray.direction, format)},
+            {stored(sample.sphere.centre, format), stored(sample.sphere.radius, format)}};
 }
 
 Vec<double> unit_vector(Seeded& rng) {

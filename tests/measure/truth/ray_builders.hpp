@@ -28,8 +28,8 @@ Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Int
 /// Multiplies all lengths by 2^lengths and the direction by 2^direction.
 RaySample rescaled(RaySample s, int lengths, int direction);
 /// Permutes the axes and flips their signs.
-RaySample shuffled(Seeded& rng, const RaySample& s);
-RaySample stored(const RaySample& s, const FloatFormat& storage);
+RaySample shuffled(Seeded& rng, const RaySample& sample);
+RaySample stored(const RaySample& sample, const FloatFormat& storage);
 
 /// Any unit vector (to rounding), and one perpendicular to `d`.
 Vec<double> unit_vector(Seeded& rng);

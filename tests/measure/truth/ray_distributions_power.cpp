@@ -20,8 +20,8 @@ Vec<double> integers(Seeded& rng, int largest) {
 }
 
 /// The sample with its exponents moved, which moves powers of two to powers of two.
-RaySample anywhere(Seeded& rng, const RaySample& s) {
-    return shuffled(rng, rescaled(s, rng.index(41) - 20, rng.index(41) - 20));
+RaySample anywhere(Seeded& rng, const RaySample& sample) {
+    return shuffled(rng, rescaled(sample, rng.index(41) - 20, rng.index(41) - 20));
 }
 
 }  // namespace

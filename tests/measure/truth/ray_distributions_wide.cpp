@@ -69,8 +69,8 @@ RaySample small_scene(Seeded& rng) {
 }
 
 /// A direction's scale: with the lengths, about one, or at either end of the range.
-int any_scale(Seeded& rng, const FloatFormat& f) {
-    const int lowest = f.emin - f.precision + 1, highest = f.emax - 24;
+int any_scale(Seeded& rng, const FloatFormat& format) {
+    const int lowest = format.emin - format.precision + 1, highest = format.emax - 24;
     switch (rng.index(4)) {
         case 0: return lowest + rng.index(8);
         case 1: return static_cast<int>(rng.integer(-20, 20));

@@ -136,7 +136,7 @@ std::string cell(Shape shape, Situation of, const Values& values, Member Convent
         asked.*property = value;
         const RightAnswer answer = intersect::right_answer(shape, of, asked);
         if (answer == RightAnswer::none) return "";
-        words += (words.empty() ? "" : ", ") + std::string(answer_names[answer]);
+        words += (words.empty() ? "" : ", ") + std::string(answer_names[static_cast<std::size_t>(answer)]);
     }
     return words;
 }
@@ -190,11 +190,11 @@ TEST_CASE("conventions: the truth answers each situation as the table says", "[m
                     asked.inside = inside;
                     const Truth truth = truth_of(e, asked);
                     const RightAnswer right = intersect::right_answer(e.shape, e.of, asked);
-                    INFO(name_of(e.shape) << " " << situation_names[e.of] << ", touching "
+                    INFO(name_of(e.shape) << " " << situation_names[static_cast<std::size_t>(e.of)] << ", touching "
                                           << static_cast<int>(touching) << ", at_origin "
-                                          << intersect::at_origin_names[at_origin]
-                                          << ", inside " << intersect::inside_names[inside]
-                                          << ": right is " << answer_names[right] << ", hit "
+                                          << intersect::at_origin_names[static_cast<std::size_t>(at_origin)]
+                                          << ", inside " << intersect::inside_names[static_cast<std::size_t>(inside)]
+                                          << ": right is " << answer_names[static_cast<std::size_t>(right)] << ", hit "
                                           << truth.is_hit() << " at " << truth.t.hi);
                     CHECK(right != RightAnswer::none);
                     CHECK(truth.is_hit() == (right != RightAnswer::miss));
@@ -215,7 +215,7 @@ TEST_CASE("conventions: the table covers every situation of every kind", "[measu
         for (const Situation of : intersect::all_situations) {
             const bool has =
                 std::ranges::any_of(examples, [&](const Example& e) { return e.shape == shape.shape && e.of == of; });
-            INFO(shape.name << " " << situation_names[of]);
+            INFO(shape.name << " " << situation_names[static_cast<std::size_t>(of)]);
             CHECK(has == (intersect::right_answer(shape.shape, of, {}) != RightAnswer::none));
         }
     }

@@ -248,8 +248,7 @@ TEST_CASE("t moves no further than its reach - with transforms of widely spread 
             if (!truth.is_hit() || truth.t.is_zero()) continue;
             std::array<Wide, 22> x;
             std::array<double, 22> step{};
-            for (int k = 0; k < 3; ++k)
-                x[k] = ray.origin[k], x[3 + k] = ray.direction[k];
+            for (int k = 0; k < 3; ++k) x[k] = ray.origin[k], x[3 + k] = ray.direction[k];
             for (std::size_t k = 0; k < 4; ++k) x[6 + k] = primitive.numbers[k];
             for (std::size_t k = 0; k < 12; ++k) x[10 + k] = primitive.transform->matrix[k];
             for (std::size_t k = 0; k < 22; ++k) step[k] = half_ulp_of(static_cast<double>(x[k]), format);

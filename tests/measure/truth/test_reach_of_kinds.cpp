@@ -92,8 +92,8 @@ std::optional<Problem> draw(Seeded& rng, Shape shape, Kind kind) {
 }
 
 /// Multiplies lengths by 2^lengths and directions by 2^directions; empty if a number leaves the range of doubles.
-std::optional<Problem> scaled_by(const Problem& p, int lengths, int directions) {
-    Problem q = p;
+std::optional<Problem> scaled_by(const Problem& problem, int lengths, int directions) {
+    Problem q = problem;
     bool kept = true;
     const auto scale = [&kept](double& x, int e) {
         const double to = std::ldexp(x, e);
@@ -101,7 +101,7 @@ std::optional<Problem> scaled_by(const Problem& p, int lengths, int directions) 
         x = to;
     };
     for (int i = 0; i < 3; ++i) scale(q.ray.origin[i], lengths), scale(q.ray.direction[i], directions);
-    for_each_key(p.primitive.shape, [&](const Key& key, std::size_t k) {
+    for_each_key(problem.primitive.shape, [&](const Key& key, std::size_t k) {
         for (std::size_t i = k; i < k + key.count(); ++i)
             scale(q.primitive.numbers[i], key.kind == Key::Kind::direction ? 0 : lengths);
     });
@@ -112,15 +112,15 @@ std::optional<Problem> scaled_by(const Problem& p, int lengths, int directions) 
 class Trial {
 public:
     /// `plain` is the problem before it was scaled, whose slopes have the same signs and are doubles.
-    Trial(const Problem& p, const Problem& plain, const Truth& truth, Length length, const FloatFormat& format,
+    Trial(const Problem& problem, const Problem& plain, const Truth& truth, Length length, const FloatFormat& format,
           Perturbed perturbed)
-        : problem_(p),
+        : problem_(problem),
           plain_(plain),
           truth_(truth),
           length_(length),
           normwise_(perturbed == Perturbed::normwise),
-          x_(numbers_of(p.ray, p.primitive)),
-          bound_(measure::truth::reach(p.ray, p.primitive, answer(truth), length, format, perturbed)) {
+          x_(numbers_of(problem.ray, problem.primitive)),
+          bound_(measure::truth::reach(problem.ray, problem.primitive, answer(truth), length, format, perturbed)) {
         for (const double x : x_) {
             const int e = x == 0 ? format.emin : std::max(std::ilogb(x), format.emin);
             step_.push_back(ldexp(Real(1), e - format.precision));
@@ -206,8 +206,8 @@ bool is_of_use(const Truth& truth, Shape shape) {
 }
 
 /// A problem within the errors may begin on the other side, and then has another root.
-bool may_begin_on_surface(const Problem& p) {
-    return visit(p.primitive, [&](const auto& s) { return s.distance(p.ray.origin); }) < 0x1p-40;
+bool may_begin_on_surface(const Problem& problem) {
+    return visit(problem.primitive, [&](const auto& s) { return s.distance(problem.ray.origin); }) < 0x1p-40;
 }
 
 struct Tally {

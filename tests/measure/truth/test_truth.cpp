@@ -32,8 +32,8 @@ struct Exact {
     Side t = {}, distance = {};
 };
 
-Exact exactly(const RaySample& s, const Range<double>& range, Touching touching) {
-    const ExactHit e(s.ray, s.sphere, range);
+Exact exactly(const RaySample& sample, const Range<double>& range, Touching touching) {
+    const ExactHit e(sample.ray, sample.sphere, range);
     const bool touches = e.hit() && (e.is_tangent_line() || e.ends_at_entry(range));
     return {e.hit() && (touching == Touching::hit || !touches), [e](const Dyadic& x) { return e.side(x); },
             [e](const Dyadic& x) { return e.distance_side(x); }};
@@ -50,8 +50,8 @@ Exact exactly(const BoxSample& s, const Range<double>& range, Touching touching)
 }
 
 /// True if a ray keeps the promise of its distribution, so that a generator that misses its aim fails too.
-bool keeps(RayDistribution::Promise promise, const RaySample& s) {
-    const ExactHit exact(s.ray, s.sphere);
+bool keeps(RayDistribution::Promise promise, const RaySample& sample) {
+    const ExactHit exact(sample.ray, sample.sphere);
     switch (promise) {
         case RayDistribution::Promise::tangent_line: return exact.is_tangent_line();
         case RayDistribution::Promise::on_surface: return exact.on_surface();
@@ -81,13 +81,13 @@ bool keeps(BoxDistribution::Promise promise, const BoxSample& s) {
 
 Range<double> range_of(const RaySample&) { return {}; }
 Range<double> range_of(const BoxSample& s) { return s.range(); }
-Primitive<double> primitive_of(const RaySample& s) { return s.sphere; }
+Primitive<double> primitive_of(const RaySample& sample) { return sample.sphere; }
 Primitive<double> primitive_of(const BoxSample& s) { return s.box; }
 int rays_of(const RayDistribution& f, const FloatFormat& storage) {
     return storage == binary32 ? f.rays_binary32 : f.rays_binary64;
 }
 int rays_of(const BoxDistribution& f, const FloatFormat&) { return f.rays; }
-std::string paste(const RaySample& s) { return test::paste(s.ray, s.sphere); }
+std::string paste(const RaySample& sample) { return test::paste(sample.ray, sample.sphere); }
 
 /// Describes the fault of a proved length; empty if it has none.
 std::string trouble_with(const CertifiedNumber& x, const Side& side) {
@@ -114,9 +114,10 @@ std::string disagreement(const Ray<double>& ray, const Primitive<double>& primit
         const std::string name = length == Length::parameter ? "t " : "the distance ";
         const std::string trouble = trouble_with(length == Length::parameter ? truth.t : truth.distance, *side);
         if (!trouble.empty()) return name + trouble;
-        for (const FloatFormat& f : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}})
-            if (!is_rounded(measure::truth::round_truth(truth, ray, primitive, f, length, touching, range), *side, f))
-                return name + "is not correctly rounded to " + std::to_string(f.precision) + " bits";
+        for (const FloatFormat& format : {binary64, binary32, binary16, bfloat16, FloatFormat{52, -1022, 1023}})
+            if (!is_rounded(measure::truth::round_truth(truth, ray, primitive, format, length, touching, range), *side,
+                            format))
+                return name + "is not correctly rounded to " + std::to_string(format.precision) + " bits";
     }
     return "";
 }
@@ -146,16 +147,16 @@ struct Found {
     std::string report;
 
     template <class Sample>
-    void ask(const Sample& s, const Range<double>& range, bool few_bits) {
-        const Ray<double>& ray = s.ray;
-        const Primitive<double> primitive = primitive_of(s);
+    void ask(const Sample& sample, const Range<double>& range, bool few_bits) {
+        const Ray<double>& ray = sample.ray;
+        const Primitive<double> primitive = primitive_of(sample);
         ++rays;
         if (!range.holds_any()) {
             if (measure::truth::find_truth(ray, primitive, {}, {}, range).is_hit())
-                add("a hit in a range of none", s, range);
+                add("a hit in a range of none", sample, range);
             return;
         }
-        const Exact closed = exactly(s, range, Touching::hit), open = exactly(s, range, Touching::miss);
+        const Exact closed = exactly(sample, range, Touching::hit), open = exactly(sample, range, Touching::miss);
         const bool touches = closed.hit != open.hit;
         hits += closed.hit;
         bool more = false;
@@ -166,11 +167,11 @@ struct Found {
             if (what.empty() && measure::truth::find_truth(ray, primitive, {}, touching, range).touches != touches)
                 what = "the conventions differ otherwise";
         if (what.empty() && few_bits) what = contradiction(ray, primitive, closed, touches, range);
-        if (!what.empty()) add(what, s, range);
+        if (!what.empty()) add(what, sample, range);
     }
     template <class Sample>
-    void add(const std::string& what, const Sample& s, const Range<double>& range) {
-        if (report.size() < 2000) report += what + "\n    " + test::paste(range) + " " + paste(s) + "\n";
+    void add(const std::string& what, const Sample& sample, const Range<double>& range) {
+        if (report.size() < 2000) report += what + "\n    " + test::paste(range) + " " + paste(sample) + "\n";
     }
 };
 

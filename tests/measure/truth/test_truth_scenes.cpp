@@ -103,9 +103,9 @@ TEST_CASE("a ray through the point where two spheres touch hits both there") {
             const Truth t = find_truth(ray, primitives(spheres));
             REQUIRE(t.is_hit());
             REQUIRE(t.primitive == 0);
-            for (const Sphere<double>& s : spheres) {
-                REQUIRE(encloses(t.t, ExactHit(ray, s)));
-                REQUIRE(round_truth(t, ray, s, binary64) == static_cast<double>(far));
+            for (const Sphere<double>& sphere : spheres) {
+                REQUIRE(encloses(t.t, ExactHit(ray, sphere)));
+                REQUIRE(round_truth(t, ray, sphere, binary64) == static_cast<double>(far));
             }
         }
     }
@@ -165,9 +165,9 @@ TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
         ++hits;
         if (!encloses(t.t, exact) || !encloses_distance(t.distance, exact)) FAIL("not within its bound");
         const auto side = [&](const Dyadic& x) { return exact.side(x); };
-        for (const FloatFormat& f : {binary64, binary32, bfloat16})
-            if (!is_rounded(round_truth(t, ray, sphere, f), side, f))
-                FAIL("not correctly rounded to " << f.precision << " bits");
+        for (const FloatFormat& format : {binary64, binary32, bfloat16})
+            if (!is_rounded(round_truth(t, ray, sphere, format), side, format))
+                FAIL("not correctly rounded to " << format.precision << " bits");
     }
     CHECK(hits > 10'000);
     CHECK(escalated > 2'000);

@@ -86,17 +86,18 @@ Asked draw(Random& random, const Intersector& form, const Format& format) {
 }
 
 /// A range that ends or begins near a root, so that rounding may decide.
-Range<double> draw_range(Random& random, const Explanation& x) {
-    const auto& f = x.format.parameters;
+Range<double> draw_range(Random& random, const Explanation& explanation) {
+    const auto& f = explanation.format.parameters;
     const auto near = [&](double t) {
         if (!std::isfinite(t) || t < 0) t = random.unit();
         for (std::size_t k = below(random, 4); k > 0; --k) t = rounding::next_up(t, f);
         for (std::size_t k = below(random, 4); k > 0 && t > 0; --k) t = -rounding::next_up(-t, f);
         return t;
     };
-    const TapeOutputs& at = x.tape.outputs;
-    const double roots[] = {x.tape[at.t].value, x.tape[at.near].value, x.tape[at.far].value, x.attribution[at.t].exact,
-                            x.attribution[at.far].exact};
+    const TapeOutputs& at = explanation.tape.outputs;
+    const double roots[] = {explanation.tape[at.t].value, explanation.tape[at.near].value,
+                            explanation.tape[at.far].value, explanation.attribution[at.t].exact,
+                            explanation.attribution[at.far].exact};
     const auto root = [&] { return near(rounding::to_format(roots[below(random, 5)], 0, f)); };
     Range<double> range;
     if (below(random, 3) != 0) range.tmin = root();
@@ -144,22 +145,23 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 /// The decision without rounding, by the tape, which has no range, and the function that batches call.
-std::optional<bool> exact_decision(const Asked& asked, const Explanation& x) {
+std::optional<bool> exact_decision(const Asked& asked, const Explanation& explanation) {
     const OneRay ray = asked.ray();
     const OneRay::Inputs in = ray.inputs(*asked.form, asked.format);
-    const auto aim = in.format_inputs.target_for(*asked.form, static_cast<std::size_t>(x.primitive_index));
+    const auto aim = in.format_inputs.target_for(*asked.form, static_cast<std::size_t>(explanation.primitive_index));
     Tape tape;
-    asked.form->record(asked.format, in.ray(*asked.form->info), aim, x.range.tmax, tape);
+    asked.form->record(asked.format, in.ray(*asked.form->info), aim, explanation.range.tmax, tape);
     const auto found = measure::attribution::attribute(tape, {.full = true});
     double t = found[tape.outputs.t].exact, near = found[tape.outputs.near].exact, far = found[tape.outputs.far].exact;
     for (const double root : {t, near, far})  // rounded to a double, it may be on the other side
-        for (const double end : {x.range.tmin, x.range.tmax})
+        for (const double end : {explanation.range.tmin, explanation.range.tmax})
             if (std::fabs(root - end) <= 0x1p-50 * std::fabs(end)) return {};
     std::uint8_t hit = found.is_exact_hit;
     const auto one = [](double& v) { return std::span<double>(&v, 1); };
-    double begin = x.range.tmin, end = x.range.tmax, zero = 0;
-    const intersect::table::RayBatch<double> batch{one(zero), one(zero), one(zero),  one(zero),        one(zero),
-                                                   one(zero), one(end),  one(begin), x.range.open_ends};
+    double begin = explanation.range.tmin, end = explanation.range.tmax, zero = 0;
+    const intersect::table::RayBatch<double> batch{one(zero), one(zero),  one(zero),
+                                                   one(zero), one(zero),  one(zero),
+                                                   one(end),  one(begin), explanation.range.open_ends};
     intersect::table::limit_batch_to_range<double>(*asked.form->info, asked.form->shape, batch,
                                                    {one(t), one(near), one(far), std::span(&hit, 1)});
     return hit != 0;
@@ -274,8 +276,7 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
         for (const double odd : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
             for (int what = 0; what < 4; ++what) {
                 Explanation x = s.x;
-                measure::attribution::OperationError& e =
-                    x.attribution.errors[x.attribution.culprit];
+                measure::attribution::OperationError& e = x.attribution.errors[x.attribution.culprit];
                 if (what == 0) e.contribution = odd;
                 if (what == 1) e.contribution = odd, x.attribution.equal_culprits.push_back(x.attribution.culprit);
                 if (what == 2) e.rounding = e.error = odd;

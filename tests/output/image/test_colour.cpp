@@ -242,7 +242,7 @@ TEST_CASE("people with any kind of colour vision can tell the classes of a pictu
     }
     check_apart("stops", {image::stop_colours.begin(), image::stop_colours.end()});
     check_apart("pairs", {image::against_colours.begin(), image::against_colours.end()});
-    check_apart("bits needed", {map::beyond_colour, outcome_colours[Outcome::unresolved]});
+    check_apart("bits needed", {map::beyond_colour, outcome_colours[static_cast<std::size_t>(Outcome::unresolved)]});
     auto seen = colours_of(render::seen_categories());
     seen.push_back(outcome_colours.front());
     check_apart("what is seen", seen);

@@ -70,9 +70,7 @@ TEST_CASE("a thumbnail of categories has only colours of the field", "[thumbnail
         for (int j = 0; j < down.height(); ++j) {
             for (int i = 0; i < down.width(); ++i) {
                 const int x = (2 * i + 1) * width / (2 * down.width()), y = (2 * j + 1) * height / (2 * down.height());
-                if (down.pixels()[j * down.width() + i] !=
-                    field[y * width + x])
-                    FAIL_CHECK(i << ", " << j);
+                if (down.pixels()[j * down.width() + i] != field[y * width + x]) FAIL_CHECK(i << ", " << j);
             }
         }
     }

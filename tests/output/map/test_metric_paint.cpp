@@ -31,7 +31,7 @@ namespace {
 FormSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std::uint64_t>> outcomes) {
     FormSummary s({find_metric("lost_bits")});
     s.rays = 1000;
-    for (const auto& [outcome, n] : outcomes) s.outcomes[outcome] = n;
+    for (const auto& [outcome, n] : outcomes) s.outcomes[static_cast<std::size_t>(outcome)] = n;
     for (const Outcome o : {Outcome::agree_hit, Outcome::false_miss, Outcome::wrong_primitive})
         s.true_hits += s.count(o);
     for (std::uint64_t i = 0; i < s.count(Outcome::agree_hit); ++i) s.metrics[0].add(lost);
@@ -60,9 +60,9 @@ std::vector<image::LegendEntry> legend_of(const MetricPaint& paint, std::initial
 
 bool has_word(const std::string& text, const char* words) { return text.find(words) != std::string::npos; }
 
-std::string glance(const FormSummary& s, const lostbits::FloatFormat& format = binary32,
+std::string glance(const FormSummary& summary, const lostbits::FloatFormat& format = binary32,
                    const char* name = "lost_bits") {
-    return MetricPaint(*find_metric(name), format).short_summary(s, 0);
+    return MetricPaint(*find_metric(name), format).short_summary(summary, 0);
 }
 
 }  // namespace
@@ -141,7 +141,7 @@ TEST_CASE("the difference of two forms has a unit, a count, and a legend where t
     CHECK(has_word(legend.front().label, "not both hit"));
     CHECK(legend.front().count == "700 (70.0%)");
     CHECK(legend.front().colour == paint.colour(Outcome::agree_hit, none));
-    CHECK(legend.front().colour != image::outcome_colours[Outcome::not_a_number]);
+    CHECK(legend.front().colour != image::outcome_colours[static_cast<std::size_t>(Outcome::not_a_number)]);
     CHECK(paint.look(false).widest_legend(1000).size() == 1);
     CHECK(paint.short_summary(FormSummary({&apart}), 0) == "no ray that both forms hit");
     CHECK(has_word(paint.note(), "where both forms hit"));
@@ -152,8 +152,8 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
     std::vector<const Metric*> all;
     for (const char* name : {"tolerance:0.1", "enough_bits:12", "contribution:c", "cancellation:c", "step:origin"})
         all.push_back(made.find(name));
-    for (const Metric& m : lostbits::measure::metric::metrics())
-        if (!m.depends_on_forms) all.push_back(&m);
+    for (const Metric& metric : lostbits::measure::metric::metrics())
+        if (!metric.depends_on_forms) all.push_back(&metric);
     for (const Metric* m : all) {
         REQUIRE(m != nullptr);
         CAPTURE(m->name);
@@ -183,8 +183,8 @@ TEST_CASE("shares of culprits are of the rays that have a culprit, and the pictu
     const MetricPaint paint(culprit, binary32);
     FormSummary s({&culprit});
     s.rays = 1000;
-    s.outcomes[Outcome::agree_miss] = 700;
-    s.outcomes[Outcome::agree_hit] = 300;
+    s.outcomes[static_cast<std::size_t>(Outcome::agree_miss)] = 700;
+    s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
     s.categories = {{100, 150, 50}};
     CHECK(paint.short_summary(s, 0) == "75% of 200 culprits:\nb*b - c");
     const auto legend = legend_of(paint, {{Outcome::agree_hit, 0, 100},
@@ -256,7 +256,7 @@ TEST_CASE("a sheet is sorted by fewest wrong decisions, then by smallest 99th pe
     seen.worst.y = 4;
     CHECK(has_word(cell_note(paint, seen, 0), "\nworst pixel 17,4"));
     // A wrong decision is worse than any error.
-    seen.outcomes[Outcome::false_hit] = 1;
+    seen.outcomes[static_cast<std::size_t>(Outcome::false_hit)] = 1;
     const auto place = std::ranges::find(lostbits::measure::evaluate::wrong_decisions, Outcome::false_hit) -
                        lostbits::measure::evaluate::wrong_decisions.begin();
     seen.faults[place] = std::make_unique<lostbits::measure::evaluate::WorstRay>();

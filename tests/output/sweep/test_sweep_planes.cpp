@@ -165,7 +165,7 @@ TEST_CASE("a plane's picture marks wrong forms by outline and outcome colour, an
             CAPTURE(what.format.name, step.values[0], step.values[1], wrong, p99);
             std::optional<output::image::Rgb8> expected, small;
             if (2 * wrong > s.rays) {
-                expected = small = output::image::outcome_colours[worst];
+                expected = small = output::image::outcome_colours[static_cast<std::size_t>(worst)];
                 ++wrong_cells;
             } else if (s.agreement().is_enough()) {
                 const bool plain = p99 >= 1 && s.metrics[excess].quantile(0.99) < 1;

@@ -52,11 +52,11 @@ struct Made {
             step.values = {sweep.axes.front().values[k]};
             step.summaries.emplace_back(request.metrics);
             FormSummary& s = step.summaries.back();
-            s.rays = s.true_hits = s.outcomes[Outcome::agree_hit] = rays;
+            s.rays = s.true_hits = s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = rays;
         }
     }
     void put(Outcome o, std::size_t step, std::uint64_t n) {
-        made[step].summaries[0].outcomes[o] = n;
+        made[step].summaries[0].outcomes[static_cast<std::size_t>(o)] = n;
     }
     [[nodiscard]] output::sweep::MeasuredSweep measured() const { return {request, made, onsets}; }
     [[nodiscard]] Format format() const { return request.tested_forms[0].format; }
@@ -166,7 +166,7 @@ TEST_CASE("a quantile over too few agreed hits leaves a gap", "[too_far]") {
     s.metrics.resize(1);
     for (int k = 0; k < 10; ++k) s.metrics[0].add(3);
     s.metrics[0].seal();
-    auto& agreed = s.outcomes[measure::answer::Outcome::agree_hit];
+    auto& agreed = s.outcomes[static_cast<std::size_t>(measure::answer::Outcome::agree_hit)];
     agreed = 10;
     CHECK(output::sweep::drawn_quantile(s, 0, 0.5) == 3);
     agreed = 9;

@@ -164,7 +164,7 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
                     CHECK((value == there || (std::isnan(value) && std::isnan(there))));
                 }
                 std::size_t inputs = 0;
-                for (const TapeNode& n : recorded.tape.nodes) inputs += n.op == TapeOp::input ? 1 : 0;
+                for (const TapeNode& node : recorded.tape.nodes) inputs += node.op == TapeOp::input ? 1 : 0;
                 CHECK(inputs == recorded.names.size());
                 const std::set<std::string> names(recorded.names.begin(), recorded.names.end());
                 CHECK(names.size() == inputs);

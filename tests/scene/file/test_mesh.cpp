@@ -73,7 +73,7 @@ std::string error_of_mesh(const std::string& table) {
 
 std::vector<Sphere<double>> spheres_of(const Sphereflake& flake) {
     std::vector<Sphere<double>> all;
-    for_each_primitive(flake, [&all](const Primitive<double>& s) { all.push_back(s.sphere()); });
+    for_each_primitive(flake, [&all](const Primitive<double>& primitive) { all.push_back(primitive.sphere()); });
     return all;
 }
 

@@ -211,9 +211,9 @@ TEST_CASE("primitives of all shapes are numbered in the order of the file") {
         scene + "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n" +
         "[[triangle]]\na = [0, 0, 0]\nb = [1, 0, 0]\nc = [0, 1, 0]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 2\n" +
         "[[box]]\nlo = [0, 0, 0]\nhi = [2, 2, 2]\n";
-    const auto shapes_of = [](const Scene& s) {
+    const auto shapes_of = [](const Scene& read) {
         std::vector<Shape> shapes;
-        for (const auto& primitive : s.listed) shapes.push_back(primitive.shape);
+        for (const auto& primitive : read.listed) shapes.push_back(primitive.shape);
         return shapes;
     };
     const std::vector written{Shape::box, Shape::sphere, Shape::triangle, Shape::sphere, Shape::box};

@@ -147,13 +147,13 @@ TEST_CASE("rays aimed inside triangles hit them from the requested distance") {
         TriangleDistribution f = distribution_of("views = 64\nrays = 4\n");
         f.distance = distance;
         int hits = 0;
-        for (const RayGroup& g : f.draw()) {
-            const Triangle<double> t = g.primitives.front().triangle();
+        for (const RayGroup& group : f.draw()) {
+            const Triangle<double> t = group.primitives.front().triangle();
             CHECK(std::fabs(length(t.a - t.middle()) - 1) < 1);
-            for (std::size_t i = 0; i < g.rays.size(); ++i) {
-                const auto ends = ends_of(t.span(g.rays[i]));
+            for (std::size_t i = 0; i < group.rays.size(); ++i) {
+                const auto ends = ends_of(t.span(group.rays[i]));
                 hits += ends.has_value();
-                if (ends) CHECK(std::fabs(ends->near * length(g.rays[i].direction) - distance) < 1e-3 * distance);
+                if (ends) CHECK(std::fabs(ends->near * length(group.rays[i].direction) - distance) < 1e-3 * distance);
             }
         }
         CHECK(hits >= 250);  // of 256: rounded to binary32, a ray at the rim may pass it
@@ -162,10 +162,11 @@ TEST_CASE("rays aimed inside triangles hit them from the requested distance") {
 
 TEST_CASE("rays aimed at an edge miss it by rounding only, and rays at a vertex both of its edges") {
     for (const auto& [aim, least] : {std::pair("edge", 1), std::pair("vertex", 2)}) {
-        for (const RayGroup& g : distribution_of(std::string("aim = \"") + aim + "\"\nviews = 64\nrays = 2\n").draw()) {
-            const Triangle<double> t = g.primitives.front().triangle();
-            for (std::size_t i = 0; i < g.rays.size(); ++i) {
-                const Ray<double> ray = g.rays[i];
+        for (const RayGroup& group :
+             distribution_of(std::string("aim = \"") + aim + "\"\nviews = 64\nrays = 2\n").draw()) {
+            const Triangle<double> t = group.primitives.front().triangle();
+            for (std::size_t i = 0; i < group.rays.size(); ++i) {
+                const Ray<double> ray = group.rays[i];
                 const Vec<double> p[] = {t.a - ray.origin, t.b - ray.origin, t.c - ray.origin};
                 int close = 0;
                 for (int k = 0; k < 3; ++k) close += std::fabs(dot(ray.direction, cross(p[k], p[(k + 1) % 3]))) < 1e-4;
@@ -184,9 +185,9 @@ TEST_CASE("every shape has a ray distribution with its own table, and an easy se
         REQUIRE(timed.hits.rays.size() == 4096);
         REQUIRE(timed.misses.rays.size() == 4096);
         int hit = 0, missed = 0;
-        const auto meets = [](const RayGroup& g, std::size_t i) {
+        const auto meets = [](const RayGroup& group, std::size_t i) {
             const auto ends =
-                with_span(g.rays[i], g.primitives.front(), [](const auto& span) { return ends_of(span); });
+                with_span(group.rays[i], group.primitives.front(), [](const auto& span) { return ends_of(span); });
             return ends && ends->near <= ends->far && ends->far >= 0;
         };
         for (std::size_t i = 0; i < 4096; ++i) hit += meets(timed.hits, i), missed += !meets(timed.misses, i);

@@ -66,8 +66,8 @@ TEST_CASE("tilted views differ from an axis by the given angle and stay centred"
             const auto groups = f.draw();
             REQUIRE(groups.size() == 64);
             std::set<double> distances;
-            for (const RayGroup& g : groups) {
-                const Vec<double> c = g.primitives.front().sphere().centre, d = g.rays[0].direction;
+            for (const RayGroup& group : groups) {
+                const Vec<double> c = group.primitives.front().sphere().centre, d = group.rays[0].direction;
                 CAPTURE(tilt, distance, d.x, d.y, d.z);
                 const double far = static_cast<double>(length(lifted(c)));
                 distances.insert(far);
@@ -78,7 +78,7 @@ TEST_CASE("tilted views differ from an axis by the given angle and stay centred"
                 CHECK(std::hypot(parts[0], parts[1]) == Approx(tilt * parts[2]).epsilon(0x1p-11).margin(0));
                 // Exactly along the centre's direction: every product of 12-bit numbers is a float.
                 CHECK((c.x * d.y == c.y * d.x && c.y * d.z == c.z * d.y && c.x * d.z == c.z * d.x));
-                const Geometry at(g, 0);
+                const Geometry at(group, 0);
                 CHECK(at.impact < 0.9901);
                 CHECK(at.along < -0.98 * distance + 1);
             }
@@ -98,9 +98,9 @@ TEST_CASE("a silhouette gap g puts every line at 1 - g radii, computed from both
                 f.radius = radius;
                 f.distance = 16;
                 f.height = 3 * radius;
-                for (const RayGroup& g : f.draw()) {
-                    for (std::size_t i = 0; i < g.rays.size(); ++i) {
-                        const Geometry at(g, i);
+                for (const RayGroup& group : f.draw()) {
+                    for (std::size_t i = 0; i < group.rays.size(); ++i) {
+                        const Geometry at(group, i);
                         CAPTURE(projection, gap, radius, i);
                         CHECK(std::fabs(at.impact - (1 - gap)) < 0x1p-20);  // every number is rounded to a float
                         CHECK(at.eye > 1);
@@ -112,10 +112,10 @@ TEST_CASE("a silhouette gap g puts every line at 1 - g radii, computed from both
     }
     // Without a gap the impacts are spread.
     double least = 1, most = 0;
-    for (const RayGroup& g : distribution_of("impact_to = 0.99").draw()) {
-        for (std::size_t i = 0; i < g.rays.size(); ++i) {
-            least = std::min(least, Geometry(g, i).impact);
-            most = std::max(most, Geometry(g, i).impact);
+    for (const RayGroup& group : distribution_of("impact_to = 0.99").draw()) {
+        for (std::size_t i = 0; i < group.rays.size(); ++i) {
+            least = std::min(least, Geometry(group, i).impact);
+            most = std::max(most, Geometry(group, i).impact);
         }
     }
     CHECK(least < 0.2);

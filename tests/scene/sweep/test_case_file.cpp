@@ -38,10 +38,10 @@ std::string broken(const std::string& from, const std::string& to) {
 }
 
 using Numbers = std::array<double, 10>;
-Numbers numbers_of(const RayGroup& g) {
-    const Sphere<double> s = g.primitives.front().sphere();
-    return {g.rays.ox[0], g.rays.oy[0], g.rays.oz[0], g.rays.dx[0], g.rays.dy[0],
-            g.rays.dz[0], s.centre.x,   s.centre.y,   s.centre.z,   s.radius};
+Numbers numbers_of(const RayGroup& group) {
+    const Sphere<double> s = group.primitives.front().sphere();
+    return {group.rays.ox[0], group.rays.oy[0], group.rays.oz[0], group.rays.dx[0], group.rays.dy[0],
+            group.rays.dz[0], s.centre.x,       s.centre.y,       s.centre.z,       s.radius};
 }
 
 }  // namespace
@@ -65,19 +65,19 @@ TEST_CASE("cases are read in order, each with its rays and primitives") {
 
 TEST_CASE("each format rounds a case itself, and a scale multiplies lengths but not directions") {
     const CaseFile file = loaded_cases(good_cases);
-    for (const FloatFormat& f : {binary16, bfloat16, binary32, binary64}) {
-        const auto group = file.rays(1, f).at(0);
+    for (const FloatFormat& format : {binary16, bfloat16, binary32, binary64}) {
+        const auto group = file.rays(1, format).at(0);
         REQUIRE(group.primitives.size() == 2);
         REQUIRE(group.rays.size() == 2);
         CHECK(group.rays.width == 2);
         CHECK(group.primitives[0].sphere().centre == Vec<double>(2, 4, 6));
         CHECK(group.primitives[0].sphere().radius == 8);
-        CHECK(group.primitives[1].sphere().centre.x == 2 + std::ldexp(1, 2 - f.precision));
-        CHECK(group.primitives[1].sphere().radius == std::ldexp(1, f.emin));  // a word, not scaled
+        CHECK(group.primitives[1].sphere().centre.x == 2 + std::ldexp(1, 2 - format.precision));
+        CHECK(group.primitives[1].sphere().radius == std::ldexp(1, format.emin));  // a word, not scaled
         CHECK(std::isnan(group.rays.oz[0]));
         CHECK(group.rays.dz[0] == -INFINITY);
         CHECK(group.rays.ox[1] == 2);
-        CHECK(group.rays.dx[1] == std::ldexp(1, f.emin - f.precision + 1));
+        CHECK(group.rays.dx[1] == std::ldexp(1, format.emin - format.precision + 1));
     }
     const auto turned =
         loaded_cases(replaced(good_cases, "lengths = 1", "directions = \"emax/2\"")).rays(1, binary32).at(0);
@@ -95,10 +95,10 @@ TEST_CASE("a symmetric case is run under 48 symmetries of ray and primitive") {
         loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
     REQUIRE(groups.size() == 48);
     std::set<Numbers> images;
-    for (const RayGroup& g : groups) {
-        const Numbers n = numbers_of(g);
+    for (const RayGroup& group : groups) {
+        const Numbers n = numbers_of(group);
         images.insert(n);
-        REQUIRE(g.rays.size() == 1);
+        REQUIRE(group.rays.size() == 1);
         CHECK(n[9] == 4);
         // One signed permutation takes (5, 6, 7), (8, 9, 10) and (1, 2, 3) to the image: read off the origin, checked
         // on the rest.
@@ -124,12 +124,12 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
     const CaseFile file = loaded_cases(boxes);
     CHECK(file.shapes() == std::vector{Shape::box});
     std::set<decltype(Primitive<double>::numbers)> images;
-    for (const RayGroup& g : file.rays(0, binary32)) {
-        REQUIRE(g.primitives.size() == 1);
-        REQUIRE(g.primitives[0].shape == Shape::box);
-        const Box<double> b = g.primitives[0].box();
-        images.insert(g.primitives[0].numbers);
-        const Vec<double> d(g.rays.dx[0], g.rays.dy[0], g.rays.dz[0]);
+    for (const RayGroup& group : file.rays(0, binary32)) {
+        REQUIRE(group.primitives.size() == 1);
+        REQUIRE(group.primitives[0].shape == Shape::box);
+        const Box<double> b = group.primitives[0].box();
+        images.insert(group.primitives[0].numbers);
+        const Vec<double> d(group.rays.dx[0], group.rays.dy[0], group.rays.dz[0]);
         int inside = 0;
         for (int i = 0; i < 3; ++i) {
             CHECK(b.lo[i] < b.hi[i]);
@@ -155,8 +155,8 @@ TEST_CASE("the corners of a box keep the signed zeros of the file in either orde
                          "boxes = [{ lo = [" + lo + ", 1, 2], hi = [" + hi +
                          ", 1, 2] }]\nrays = [{ origin = [0, 0, 0], direction = [1, 1, 4] }]\n");
         std::set<std::pair<bool, bool>> signs;  // of lo and of hi, in the axis that holds the zeros
-        for (const RayGroup& g : file.rays(0, binary32)) {
-            const Box<double> b = g.primitives[0].box();
+        for (const RayGroup& group : file.rays(0, binary32)) {
+            const Box<double> b = group.primitives[0].box();
             int zeros = 0;
             for (int i = 0; i < 3; ++i) {
                 if (b.lo[i] != 0) continue;

@@ -41,13 +41,13 @@ constexpr FloatFormat formats[] = {binary16, bfloat16,         tensor_float32,  
                                    binary64, {2, -1022, 1023}, {27, -1022, 1023}, {4, -6, 7}};
 
 /// The independent implementation: MPFR's own emulation of a format, by exponent range and `mpfr_subnormalize`.
-double by_emulation(const Real& x, const FloatFormat& f) {
+double by_emulation(const Real& x, const FloatFormat& format) {
     const mpfr_exp_t emin = mpfr_get_emin(), emax = mpfr_get_emax();
     mpfr_t y;
-    mpfr_init2(y, f.precision);
+    mpfr_init2(y, format.precision);
     // MPFR's significands lie in [1/2, 1): exponents are one larger than ours.
-    mpfr_set_emin(f.emin - f.precision + 2);
-    mpfr_set_emax(f.emax + 1);
+    mpfr_set_emin(format.emin - format.precision + 2);
+    mpfr_set_emax(format.emax + 1);
     int inexact = mpfr_set(y, x.backend().data(), MPFR_RNDN);
     inexact = mpfr_check_range(y, inexact, MPFR_RNDN);
     mpfr_subnormalize(y, inexact, MPFR_RNDN);
@@ -166,29 +166,30 @@ TEST_CASE("numbers round correctly at the limits of a format") {
 
 TEST_CASE("rounding agrees with MPFR's emulation of the format, also at subnormals and overflow") {
     std::mt19937_64 engine(20190225);
-    for (const FloatFormat& f : formats) {
-        CAPTURE(f.precision, f.emin, f.emax);
-        const int lowest = f.emin - f.precision - 3;
-        const int span = f.emax + 3 - lowest;
+    for (const FloatFormat& format : formats) {
+        CAPTURE(format.precision, format.emin, format.emax);
+        const int lowest = format.emin - format.precision - 3;
+        const int span = format.emax + 3 - lowest;
         int subnormal = 0, infinite = 0, ties = 0;
         for (int i = 0; i < 4000; ++i) {
             // Few significant bits make ties; many sit next to them.
-            const int cleared = engine() % 3 == 0 ? static_cast<int>(engine() % 63) : 62 - f.precision;
+            const int cleared = engine() % 3 == 0 ? static_cast<int>(engine() % 63) : 62 - format.precision;
             Real x = Real(static_cast<long long>((engine() >> 1 | 1ULL << 62) & ~0ULL << cleared));
             const auto below = [&](int n) { return static_cast<int>(engine() % static_cast<unsigned>(n)); };
             const int where = below(4);
-            const int exponent = where == 0   ? f.emin - below(f.precision + 3)
-                                 : where == 1 ? f.emax + 1 - below(3)
+            const int exponent = where == 0   ? format.emin - below(format.precision + 3)
+                                 : where == 1 ? format.emax + 1 - below(3)
                                               : lowest + below(span);
             x = ldexp(x, exponent - 62);
             if (engine() % 4 == 0) x += ldexp(x, -120);
             if (engine() % 2 == 0) x = -x;
-            const double ours = round_to_format(x, f);
+            const double ours = round_to_format(x, format);
             CAPTURE(x, exponent);
-            REQUIRE(same(ours, by_emulation(x, f)));
-            subnormal += std::fabs(ours) < std::ldexp(1.0, f.emin);
+            REQUIRE(same(ours, by_emulation(x, format)));
+            subnormal += std::fabs(ours) < std::ldexp(1.0, format.emin);
             infinite += std::isinf(ours);
-            ties += abs(abs(x) - std::fabs(ours)) * 2 == ldexp(Real(1), static_cast<int>(ulp_exponent(f, exponent)));
+            ties +=
+                abs(abs(x) - std::fabs(ours)) * 2 == ldexp(Real(1), static_cast<int>(ulp_exponent(format, exponent)));
         }
         CHECK(subnormal > 100);
         CHECK(infinite > 100);
@@ -198,12 +199,12 @@ TEST_CASE("rounding agrees with MPFR's emulation of the format, also at subnorma
 
 TEST_CASE("rounding a double agrees with Rounded") {
     std::mt19937_64 engine(7);
-    for (const FloatFormat& f : formats) {
+    for (const FloatFormat& format : formats) {
         for (int i = 0; i < 2000; ++i) {
             const double x = std::bit_cast<double>(engine());
             if (!std::isfinite(x)) continue;
-            CAPTURE(x, f.precision, f.emin);
-            REQUIRE(same(round_to_format(Real(x), f), rounding::to_format(x, 0, f)));
+            CAPTURE(x, format.precision, format.emin);
+            REQUIRE(same(round_to_format(Real(x), format), rounding::to_format(x, 0, format)));
         }
     }
 }

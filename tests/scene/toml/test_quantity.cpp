@@ -23,9 +23,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 const SourcePosition here{"t.toml", 3, 7};
 Node word(const std::string& text) { return Node::of_string(text, here); }
 
-int exponent(const std::string& text, const FloatFormat& f) { return Exponent(word(text)).value_in(f); }
-double quantity(const std::string& text, const FloatFormat& f, int scale = 0) {
-    return Quantity(word(text), true).value_in(f, scale);
+int exponent(const std::string& text, const FloatFormat& format) { return Exponent(word(text)).value_in(format); }
+double quantity(const std::string& text, const FloatFormat& format, int scale = 0) {
+    return Quantity(word(text), true).value_in(format, scale);
 }
 
 std::string exponent_error(const std::string& text) {
@@ -41,16 +41,16 @@ std::string ray_error(const std::string& text) {
 }  // namespace
 
 TEST_CASE("an exponent can be a sum of integers and properties of the format, with quotients rounded down") {
-    for (const FloatFormat& f : every_format) {
-        CAPTURE(f.precision, f.emax);
-        CHECK(Exponent{}.value_in(f) == 0);
-        CHECK(exponent("-60", f) == -60);
-        CHECK(Exponent(Node::of_integer(-60, here)).value_in(f) == -60);
-        CHECK(exponent("emax", f) == f.emax);
-        CHECK(exponent("emin", f) == f.emin);
-        CHECK(exponent("p", f) == f.precision);
-        CHECK(exponent(" - emin + p - 3 ", f) == -f.emin + f.precision - 3);
-        CHECK(exponent("emin-p+1+2+4", f) == f.emin - f.precision + 7);
+    for (const FloatFormat& format : every_format) {
+        CAPTURE(format.precision, format.emax);
+        CHECK(Exponent{}.value_in(format) == 0);
+        CHECK(exponent("-60", format) == -60);
+        CHECK(Exponent(Node::of_integer(-60, here)).value_in(format) == -60);
+        CHECK(exponent("emax", format) == format.emax);
+        CHECK(exponent("emin", format) == format.emin);
+        CHECK(exponent("p", format) == format.precision);
+        CHECK(exponent(" - emin + p - 3 ", format) == -format.emin + format.precision - 3);
+        CHECK(exponent("emin-p+1+2+4", format) == format.emin - format.precision + 7);
     }
     // By hand: ⌊127/2⌋ = 63, ⌊−126/4⌋ = −32, ⌊5/2⌋ = 2.
     CHECK(exponent("emax/2 + 1", binary32) == 64);
@@ -84,19 +84,20 @@ TEST_CASE("a wrong exponent is refused with its position") {
 }
 
 TEST_CASE("named quantities are numbers of the format for every scale and sign") {
-    for (const FloatFormat& f : every_format) {
-        CAPTURE(f.precision, f.emax);
+    for (const FloatFormat& format : every_format) {
+        CAPTURE(format.precision, format.emax);
         for (const int scale : {0, 40, -40}) {
-            CHECK(quantity("max", f, scale) == std::ldexp(2, f.emax - 1) * (2 - std::ldexp(1, 1 - f.precision)));
-            CHECK(quantity("min", f, scale) == std::ldexp(1, f.emin));
-            CHECK(quantity("tiny", f, scale) == std::ldexp(1, f.emin - f.precision + 1));
-            CHECK(quantity("inf", f, scale) == infinity);
-            CHECK(std::isnan(quantity("nan", f, scale)));
+            CHECK(quantity("max", format, scale) ==
+                  std::ldexp(2, format.emax - 1) * (2 - std::ldexp(1, 1 - format.precision)));
+            CHECK(quantity("min", format, scale) == std::ldexp(1, format.emin));
+            CHECK(quantity("tiny", format, scale) == std::ldexp(1, format.emin - format.precision + 1));
+            CHECK(quantity("inf", format, scale) == infinity);
+            CHECK(std::isnan(quantity("nan", format, scale)));
         }
         for (const std::string name : {"max", "min", "tiny", "inf"}) {
-            CHECK(quantity("-" + name, f) == -quantity(name, f));
-            CHECK(quantity("+" + name, f) == quantity(name, f));
-            CHECK(quantity(" - " + name, f) == -quantity(name, f));
+            CHECK(quantity("-" + name, format) == -quantity(name, format));
+            CHECK(quantity("+" + name, format) == quantity(name, format));
+            CHECK(quantity(" - " + name, format) == -quantity(name, format));
         }
     }
     CHECK(quantity("max", binary64) == std::numeric_limits<double>::max());
@@ -104,13 +105,13 @@ TEST_CASE("named quantities are numbers of the format for every scale and sign")
 }
 
 TEST_CASE("a number is scaled exactly and rounded once") {
-    for (const FloatFormat& f : every_format) {
+    for (const FloatFormat& format : every_format) {
         const std::string half_way = "0x1.08p0";  // 1 + 2^-5: half way in five bits, to even below
-        CHECK(quantity(half_way, f) == (f.precision == 5 ? 1 : 1.03125));
-        CHECK(quantity("3", f, 2) == 12);
-        CHECK(quantity("-3", f, 0) == -3);
-        CHECK(quantity("+0x1.8p1", f) == 3);
-        CHECK(quantity("3e0", f) == 3);
+        CHECK(quantity(half_way, format) == (format.precision == 5 ? 1 : 1.03125));
+        CHECK(quantity("3", format, 2) == 12);
+        CHECK(quantity("-3", format, 0) == -3);
+        CHECK(quantity("+0x1.8p1", format) == 3);
+        CHECK(quantity("3e0", format) == 3);
     }
     CHECK(Quantity(Node::of_integer(-3, here), false).value_in(binary32, -1) == -1.5);
     CHECK(quantity("0.1", binary32) == 0.1f);
@@ -119,49 +120,50 @@ TEST_CASE("a number is scaled exactly and rounded once") {
     CHECK(!std::signbit(quantity("0", binary32, 99)));
     CHECK(std::signbit(quantity("-0", binary32, -99)));
     // Into the subnormals: tiny is the last place there, and a tie rounds to even.
-    for (const FloatFormat& f : every_format) {
-        const double tiny = quantity("tiny", f);
-        const int last = f.emin - f.precision + 1;
-        CHECK(quantity("1", f, last) == tiny);
-        CHECK(quantity("1", f, last - 1) == 0);
-        CHECK(quantity("1.5", f, last) == 2 * tiny);
-        CHECK(quantity("2.5", f, last) == 2 * tiny);
-        CHECK(quantity("0.50001", f, last) == tiny);
-        CHECK(std::signbit(quantity("-1", f, last - 5)));
-        CHECK(quantity("1.75", f, f.emax) < infinity);
-        CHECK(quantity("2", f, f.emax) == infinity);
-        CHECK(quantity("-2", f, f.emax) == -infinity);
-        CHECK(quantity("1", f, 5000) == infinity);
-        CHECK(quantity("1", f, -5000) == 0);
+    for (const FloatFormat& format : every_format) {
+        const double tiny = quantity("tiny", format);
+        const int last = format.emin - format.precision + 1;
+        CHECK(quantity("1", format, last) == tiny);
+        CHECK(quantity("1", format, last - 1) == 0);
+        CHECK(quantity("1.5", format, last) == 2 * tiny);
+        CHECK(quantity("2.5", format, last) == 2 * tiny);
+        CHECK(quantity("0.50001", format, last) == tiny);
+        CHECK(std::signbit(quantity("-1", format, last - 5)));
+        CHECK(quantity("1.75", format, format.emax) < infinity);
+        CHECK(quantity("2", format, format.emax) == infinity);
+        CHECK(quantity("-2", format, format.emax) == -infinity);
+        CHECK(quantity("1", format, 5000) == infinity);
+        CHECK(quantity("1", format, -5000) == 0);
         // Half a last place above max rounds to infinity, less does not.
-        CHECK(quantity("0x1.ffffffffffffffp0", f, f.emax) == infinity);
-        CHECK(quantity(f.precision == 53 ? "0x1.fffffffffffff7p0" : "0x1.8p0", f, f.emax) < infinity);
+        CHECK(quantity("0x1.ffffffffffffffp0", format, format.emax) == infinity);
+        CHECK(quantity(format.precision == 53 ? "0x1.fffffffffffff7p0" : "0x1.8p0", format, format.emax) < infinity);
     }
 }
 
 TEST_CASE("an offset of one ulp gives the neighbour, also across binades, at zero and at both ends") {
     CHECK(quantity("3 + ulp", binary32) == std::nextafter(3.0f, 4.0f));
     CHECK(quantity("3+ulp", binary64) == std::nextafter(3.0, 4.0));
-    for (const FloatFormat& f : every_format) {
-        CAPTURE(f.precision, f.emax);
-        const double ulp = std::ldexp(1, 1 - f.precision), tiny = quantity("tiny", f);
-        CHECK(quantity("1 + ulp", f) == 1 + ulp);
-        CHECK(quantity("1 - ulp", f) == 1 - ulp / 2);
-        CHECK(quantity("-1 - ulp", f) == -1 - ulp);
-        CHECK(quantity("-1 + ulp", f) == -1 + ulp / 2);
-        CHECK(quantity("1 + ulp", f, 2) == 4 + 4 * ulp);  // scaled first
-        CHECK(quantity("0 + ulp", f) == tiny);
-        CHECK(quantity("0 - ulp", f) == -tiny);
-        CHECK(quantity("tiny - ulp", f) == 0);
-        CHECK(quantity("tiny + ulp", f) == 2 * tiny);
-        CHECK(quantity("-tiny + ulp", f) == 0);
-        CHECK(quantity("min - ulp", f) == std::ldexp(1, f.emin) - tiny);
-        CHECK(quantity("min + ulp", f) == std::ldexp(1, f.emin) + tiny);
-        CHECK(quantity("-max - ulp", f) == -infinity);
-        CHECK(quantity("max - ulp", f) == quantity("max", f) - std::ldexp(1, f.emax - f.precision + 1));
-        CHECK(quantity("inf - ulp", f) == quantity("max", f));
-        CHECK(quantity("inf + ulp", f) == infinity);
-        CHECK(std::isnan(quantity("nan + ulp", f)));
+    for (const FloatFormat& format : every_format) {
+        CAPTURE(format.precision, format.emax);
+        const double ulp = std::ldexp(1, 1 - format.precision), tiny = quantity("tiny", format);
+        CHECK(quantity("1 + ulp", format) == 1 + ulp);
+        CHECK(quantity("1 - ulp", format) == 1 - ulp / 2);
+        CHECK(quantity("-1 - ulp", format) == -1 - ulp);
+        CHECK(quantity("-1 + ulp", format) == -1 + ulp / 2);
+        CHECK(quantity("1 + ulp", format, 2) == 4 + 4 * ulp);  // scaled first
+        CHECK(quantity("0 + ulp", format) == tiny);
+        CHECK(quantity("0 - ulp", format) == -tiny);
+        CHECK(quantity("tiny - ulp", format) == 0);
+        CHECK(quantity("tiny + ulp", format) == 2 * tiny);
+        CHECK(quantity("-tiny + ulp", format) == 0);
+        CHECK(quantity("min - ulp", format) == std::ldexp(1, format.emin) - tiny);
+        CHECK(quantity("min + ulp", format) == std::ldexp(1, format.emin) + tiny);
+        CHECK(quantity("-max - ulp", format) == -infinity);
+        CHECK(quantity("max - ulp", format) ==
+              quantity("max", format) - std::ldexp(1, format.emax - format.precision + 1));
+        CHECK(quantity("inf - ulp", format) == quantity("max", format));
+        CHECK(quantity("inf + ulp", format) == infinity);
+        CHECK(std::isnan(quantity("nan + ulp", format)));
     }
 }
 

@@ -137,10 +137,8 @@ static SlabDecision<T> decide_in_wider(const Ray<T>& ray, const OrderedSlabs<T>&
         const W d = widen_number(ray.direction[axis]), o = widen_number(ray.origin[axis]);
         const W sign = copysign(W(1), d);
         m[axis] = abs(d);
-        n[axis] =
-            sign * (widen_number(slabs.planes[axis].first) - o);
-        f[axis] =
-            sign * (widen_number(slabs.planes[axis].second) - o);
+        n[axis] = sign * (widen_number(slabs.planes[axis].first) - o);
+        f[axis] = sign * (widen_number(slabs.planes[axis].second) - o);
     }
     const W v = unit_roundoff<W>(), end = min(widen_number(limit), beyond_every_t<W>());
 

@@ -95,10 +95,11 @@ void require_memory_for(const Sphereflake& flake) {
 }
 
 void for_each_primitive(const Sphereflake& flake, const std::function<void(const Primitive<double>&)>& visit) {
-    visit_generations({flake.centre, flake.radius}, unit_of(flake.axis), flake.levels, [&](const Sphere<double>& s) {
-        flake.stop.check();
-        visit(s);
-    });
+    visit_generations({flake.centre, flake.radius}, unit_of(flake.axis), flake.levels,
+                      [&](const Sphere<double>& sphere) {
+                          flake.stop.check();
+                          visit(sphere);
+                      });
 }
 
 }  // namespace lostbits::scene::sphere

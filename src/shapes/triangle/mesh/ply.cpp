@@ -25,7 +25,7 @@ constexpr std::array<PlyTypeName, 8> ply_types{{{"char", "int8", 1},
                                                 {"uint", "uint32", 4},
                                                 {"float", "float32", 4},
                                                 {"double", "float64", 8}}};
-std::size_t bytes_of(PlyType type) { return ply_types[type].bytes; }
+std::size_t bytes_of(PlyType type) { return ply_types[static_cast<std::size_t>(type)].bytes; }
 
 struct PlyProperty {
     std::string name;

@@ -41,7 +41,7 @@ private:
     }
     void require_and_move(Position expected, Position next) {
         if (position_ != expected)
-            lines_.fail("is not allowed " + std::string(position_texts[position_]));
+            lines_.fail("is not allowed " + std::string(position_texts[static_cast<std::size_t>(position_)]));
         position_ = next;
     }
     void begin_facet() {
