@@ -147,9 +147,9 @@ void print(const Claim& claim, const ClaimResult& result, const CheckOptions& op
 std::string draws_text(const Claim& claim, const ClaimResult& result) {
     if (result.further_measured.empty()) return "";
     const auto s = result.spread();
-    const std::size_t draws = 1 + result.further_measured.size();
-    if (static_cast<std::size_t>(s.draws) < draws)
-        return fmt::format("; only {} of {} draws have a value, so they give no interval", s.draws, draws);
+    const std::size_t draw_count = 1 + result.further_measured.size();
+    if (static_cast<std::size_t>(s.draws) < draw_count)
+        return fmt::format("; only {} of {} draws have a value, so they give no interval", s.draws, draw_count);
     const auto interval = measure::check::expected_interval(claim, result);
     return fmt::format("; {} draws: {} to {}, median {}; their interval is [{}, {}]", s.draws,
                        output::file::decimal(s.low), output::file::decimal(s.high), output::file::decimal(s.median),

@@ -166,7 +166,7 @@ void require_writable(const std::filesystem::path& file);
 
 /// Returns the exit status of a run in which the truth of `rays` rays was not proved within `bits` bits, and prints a
 /// message about these rays on stderr.
-[[nodiscard]] ExitStatus report_unproved(std::uint64_t rays, int bits = measure::truth::ProofLimit{}.max_bits);
+[[nodiscard]] ExitStatus report_unproved(std::uint64_t ray_count, int bits = measure::truth::ProofLimit{}.max_bits);
 
 /// Prints a line on stderr for each tested form of an external intersector whose contract seems to be wrong.
 /// `suspicion` returns the text for a tested form, empty if nothing seems wrong.

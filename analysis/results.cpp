@@ -164,10 +164,10 @@ double parse_quantile(const std::string& text) {
     }
 }
 
-ExitStatus report_unproved(std::uint64_t rays, int bits) {
-    if (rays == 0) return ExitStatus::done;
+ExitStatus report_unproved(std::uint64_t ray_count, int bits) {
+    if (ray_count == 0) return ExitStatus::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
-               count_with_noun(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
+               count_with_noun(ray_count, "ray"), bits, ray_count == 1 ? "it counts" : "they count");
     return ExitStatus::internal;
 }
 

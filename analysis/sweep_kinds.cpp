@@ -67,8 +67,8 @@ void ExhaustiveRun::read_saved_state() {
 ExhaustiveState ExhaustiveRun::try_floats(bool keeps_state) {
     require_writable(state_file_.path());
     const std::uint64_t rays_per_float = sweep_.rays.size() * request_.tested_forms.size();
-    const std::uint64_t floats = measure::sweep::count_floats(sweep_, request_.share);
-    ProgressWithEstimate progress(sweep_.id, floats * rays_per_float, chosen_.common,
+    const std::uint64_t float_count = measure::sweep::count_floats(sweep_, request_.share);
+    ProgressWithEstimate progress(sweep_.id, float_count * rays_per_float, chosen_.common,
                                   state_.floats_tried * rays_per_float);
     request_.progress = progress.advance_callback();
 
@@ -87,7 +87,7 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keeps_state) {
         state_file_.write(output::shard::bits_of(state_));
         if (!chosen_.common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; repeat the command with --resume to continue\n",
-                       sweep_.id, percent(state_.floats_tried, floats));
+                       sweep_.id, percent(state_.floats_tried, float_count));
         throw Error(ExitStatus::interrupted,
                     selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }

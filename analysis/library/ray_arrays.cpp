@@ -70,14 +70,15 @@ void append_columns(std::vector<ArrayColumn>& target, const lostbits_array& arra
                                         : Type::f64});
 }
 
-void require_addressable(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name) {
+void require_addressable(const lostbits_array& array, std::size_t row_count, std::size_t column_count,
+                         const char* name) {
     constexpr std::size_t max_bytes = PTRDIFF_MAX / 4;
     const auto fits = [](std::size_t count, std::ptrdiff_t step) {
         const std::size_t bytes = step < 0 ? 0 - static_cast<std::size_t>(step) : static_cast<std::size_t>(step);
         return bytes == 0 || count <= max_bytes / bytes;
     };
-    if (rows > max_bytes / sizeof(double) || !fits(rows, array.step) || !fits(columns, array.item_step))
-        throw InputError(std::string(name) + ": " + std::to_string(rows) + " rows, " + std::to_string(array.step) +
+    if (row_count > max_bytes / sizeof(double) || !fits(row_count, array.step) || !fits(column_count, array.item_step))
+        throw InputError(std::string(name) + ": " + std::to_string(row_count) + " rows, " + std::to_string(array.step) +
                          " bytes apart, with items " + std::to_string(array.item_step) +
                          " bytes apart, are more than any memory holds");
 }

@@ -24,7 +24,8 @@ struct ArrayColumn {
 void append_columns(std::vector<ArrayColumn>& target, const lostbits_array& array, std::span<const std::string> names);
 /// Throws InputError if an array with that many rows and columns spans more bytes than any memory has. Otherwise the
 /// offset of every item fits in a ptrdiff_t.
-void require_addressable(const lostbits_array& array, std::size_t rows, std::size_t columns, const char* name);
+void require_addressable(const lostbits_array& array, std::size_t row_count, std::size_t column_count,
+                         const char* name);
 OpenEnds parse_open_ends(const std::string& text);
 
 /// Number i of a column, rounded once to the format.

@@ -126,10 +126,10 @@ void add_rays(const Scene& scene, lostbits_result& result) {
 
 /// Adds the numbers of the matrix and its direction to the columns.
 void add_matrix(const std::optional<Transform<double>>& transform, std::span<ResultColumn> columns) {
-    constexpr std::size_t numbers = Affine<double>::numbers;
-    for (std::size_t k = 0; k < numbers; ++k)
+    constexpr std::size_t number_count = Affine<double>::numbers;
+    for (std::size_t k = 0; k < number_count; ++k)
         columns[k].numbers.push_back(transform ? transform->matrix[k] : measure::truth::missing);
-    columns[numbers].numbers.push_back(!transform ? measure::truth::missing : transform->is_inverse ? 1 : 0);
+    columns[number_count].numbers.push_back(!transform ? measure::truth::missing : transform->is_inverse ? 1 : 0);
 }
 
 void add_primitives(const Scene& scene, lostbits_result& result) {
@@ -142,7 +142,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
         });
         for (const std::string& name : number_names(shape))
             columns.push_back({name, "number", "", "number of the primitive, as stored"});
-        const std::size_t numbers = columns.size();
+        const std::size_t number_count = columns.size();
         for (std::size_t k = 0; has_matrices && k < Affine<double>::numbers; ++k)
             columns.push_back({"M" + std::to_string(k / 4) + std::to_string(k % 4), "number", "",
                                "number of the matrix that places the primitive, as stored"});
@@ -155,8 +155,8 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
             const Primitive<double>& primitive = primitives[i];
             if (primitive.shape != shape) continue;
             table.columns.back().numbers.push_back(static_cast<double>(i));
-            for (std::size_t k = 0; k < numbers; ++k) table.columns[k].numbers.push_back(primitive.numbers[k]);
-            if (has_matrices) add_matrix(primitive.transform, std::span(table.columns).subspan(numbers));
+            for (std::size_t k = 0; k < number_count; ++k) table.columns[k].numbers.push_back(primitive.numbers[k]);
+            if (has_matrices) add_matrix(primitive.transform, std::span(table.columns).subspan(number_count));
         }
     }
 }

@@ -196,7 +196,7 @@ void note_isolation(const ExternalOptions& options, bool measures_times) {
                    "of rays and answers; use --in-process to avoid the transfer\n");
 }
 
-ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
+ExternalForms load_external_forms(const ExternalOptions& options, int thread_count) {
     if ((options.isolate || options.in_process) && options.plugins.empty())
         throw InputError(
             fmt::format("{} is for libraries; name one by --plugin", options.isolate ? "--isolate" : "--in-process"));
@@ -207,9 +207,10 @@ ExternalForms load_external_forms(const ExternalOptions& options, int threads) {
 
     intersect::external::guard_foreign_code(
         {options.seconds, options.stop, output::file::remove_partial_files, options.on_fatal_fault});
-    const int processes = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    const int process_count =
+        thread_count > 0 ? thread_count : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const PipeOptions pipe_options{
-        .seconds = options.seconds, .processes = static_cast<unsigned>(processes), .stop = options.stop};
+        .seconds = options.seconds, .processes = static_cast<unsigned>(process_count), .stop = options.stop};
 
     // The options are recorded too, so that later commands can name the same intersectors.
     ExternalForms external_forms;
@@ -298,8 +299,8 @@ void note_driver_differences(const intersect::function::UserFunction& function) 
 
 }  // namespace
 
-void open_external(const ExternalOptions& options, int threads) {
-    ExternalForms external_forms = load_external_forms(options, threads);
+void open_external(const ExternalOptions& options, int thread_count) {
+    ExternalForms external_forms = load_external_forms(options, thread_count);
     // A library with formulas has the C interface too, for --isolate and `plugin check`; the formulas are used here.
     std::erase_if(external_forms.forms, [&external_forms](const ForeignForm& form) {
         return std::ranges::any_of(external_forms.formulas,

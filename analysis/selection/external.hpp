@@ -60,10 +60,10 @@ std::vector<std::string> select_devices(const std::vector<std::string>& names);
 /// Loads the libraries and starts the processes that the options name: at most `threads` processes per command, 0 for
 /// one per core. Sets `output::attribution::plugin_options`, with which advice on later commands names the same
 /// intersectors. Throws InputError and EnvironmentError.
-ExternalForms load_external_forms(const ExternalOptions& options, int threads);
+ExternalForms load_external_forms(const ExternalOptions& options, int thread_count);
 
 /// Calls `load_external_forms` and adds the forms to the table. Call it before any row of the table is used.
-void open_external(const ExternalOptions& options, int threads);
+void open_external(const ExternalOptions& options, int thread_count);
 
 /// Compiles a function of the user and prints on stderr what its arguments are taken for. Call `load_external_forms`
 /// before.

@@ -205,9 +205,9 @@ struct ThreadLimit::Control {
     tbb::global_control limit;
 };
 
-ThreadLimit::ThreadLimit(int threads) {
+ThreadLimit::ThreadLimit(int thread_count) {
     const auto count = static_cast<std::size_t>(
-        threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+        thread_count > 0 ? thread_count : static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
     control_.reset(new Control{{tbb::global_control::max_allowed_parallelism, count}});
 }
 

@@ -238,14 +238,14 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
     tested_form.touching = judging_convention(options, file);
 
     // Without an index, the worst ray of the case.
-    const int rays = file.rays_of(case_index);
+    const int ray_count = file.rays_of(case_index);
     auto groups = file.rays(case_index, tested_form.format.parameters);
-    const int count = rays * static_cast<int>(groups.size());
+    const int count = ray_count * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
         throw InputError(fmt::format("--case {}: the case has {}, counted from 0", options.named_case,
                                      text::count_with_noun(count, "ray")));
-    const int k = ray_index ? *ray_index : find_worst_ray_index(groups, rays, tested_form, options.stop);
-    SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), rays, k)), tested_form.form,
+    const int k = ray_index ? *ray_index : find_worst_ray_index(groups, ray_count, tested_form, options.stop);
+    SelectedRay found{nullptr, OneRay(pick_ray(std::move(groups), ray_count, k)), tested_form.form,
                       fmt::format("Case \"{}\", ray {} of {}{}.\n", file.name(case_index), k, count,
                                   ray_index || count == 1 ? " (counted from 0)"
                                                           : " (counted from 0), the worst of them for this form")};

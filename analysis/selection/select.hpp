@@ -146,7 +146,7 @@ std::vector<measure::evaluate::TestedForm> drop_unhandled(Subjects& subjects, co
 /// Limits every parallel loop to `threads` threads while it lives; 0 means one per core.
 class ThreadLimit {
 public:
-    explicit ThreadLimit(int threads);
+    explicit ThreadLimit(int thread_count);
     ~ThreadLimit();
     ThreadLimit(const ThreadLimit&) = delete;
     ThreadLimit& operator=(const ThreadLimit&) = delete;

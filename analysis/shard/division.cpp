@@ -150,8 +150,8 @@ void Shards::require_complete() const {
         command().starts_with("lostbits check ") ? "--report" : "-o"));
 }
 
-void Shards::require_same_inputs(std::uint64_t inputs) const {
-    if (inputs == files_.front().head().inputs) return;
+void Shards::require_same_inputs(std::uint64_t input_count) const {
+    if (input_count == files_.front().head().inputs) return;
     throw InputError(files_.front().path().string() +
                      ": the files that its run read have changed: a scene, a sweep, a file of rays or of claims, or a "
                      "library; join the shards where the old files are, or run the shards again");

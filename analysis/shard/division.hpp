@@ -36,7 +36,7 @@ public:
     [[nodiscard]] const std::string& command() const { return files_.front().head().command; }
     [[nodiscard]] std::uint64_t size() const { return files_.size(); }
     /// Throws InputError if the files of the run have changed since the shards read them.
-    void require_same_inputs(std::uint64_t inputs) const;
+    void require_same_inputs(std::uint64_t input_count) const;
     /// Throws InputError if a shard has other jobs than these. Call it before any result is written.
     void require_same_jobs(const std::vector<std::string>& jobs) const;
     /// Calls `visit` for every record of this name, one shard after another.

@@ -171,8 +171,8 @@ public:
     [[nodiscard]] constexpr bool has(Shape shape) const { return (bits_ & Shapes(shape).bits_) != 0; }
     /// True if the set has more than one shape.
     [[nodiscard]] constexpr bool are_several() const {
-        const unsigned shapes = bits_ & ~transform_bit;
-        return (shapes & (shapes - 1)) != 0;
+        const unsigned shape_count = bits_ & ~transform_bit;
+        return (shape_count & (shape_count - 1)) != 0;
     }
     /// Returns the same set, with or without the flag for transforms.
     [[nodiscard]] constexpr Shapes with_transform(bool has_transform = true) const {

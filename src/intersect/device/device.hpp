@@ -70,15 +70,16 @@ public:
     }
     /// Runs this many work groups. Buffer k has binding k, and no buffer is empty. Throws EnvironmentError for a
     /// lost device.
-    void run(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) {
+    void run(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t group_count) {
         const process::FloatingPointGuard guard;
-        run_program(program, buffers, groups);
+        run_program(program, buffers, group_count);
     }
 
 protected:
     [[nodiscard]] virtual std::unique_ptr<DeviceProgram> compile_program(const std::string& text,
                                                                          Language language) = 0;
-    virtual void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) = 0;
+    virtual void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers,
+                             std::size_t group_count) = 0;
 };
 
 /// The kinds of driver interfaces, the default first.

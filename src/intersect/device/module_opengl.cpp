@@ -158,7 +158,7 @@ public:
         return program;
     }
 
-    void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) override {
+    void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t group_count) override {
         while (buffer_names_.size() < buffers.size()) glGenBuffers(1, &buffer_names_.emplace_back());
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             const auto bytes = static_cast<GLsizeiptr>(buffers[k].bytes.size());
@@ -169,7 +169,7 @@ public:
 
         // Runs the program. The barrier makes its results visible to the reads below.
         glUseProgram(static_cast<GlProgram&>(program).name());
-        glDispatchCompute(static_cast<GLuint>(groups), 1, 1);
+        glDispatchCompute(static_cast<GLuint>(group_count), 1, 1);
         glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 
         for (std::size_t k = 0; k < buffers.size(); ++k) {

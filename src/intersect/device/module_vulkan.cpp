@@ -218,9 +218,9 @@ public:
         return std::make_unique<VkProgram>(device_, pipeline_handle);
     }
 
-    void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t groups) override {
+    void run_program(DeviceProgram& program, std::span<const DeviceBuffer> buffers, std::size_t group_count) override {
         copy_to_device(buffers);
-        record_commands(static_cast<VkProgram&>(program).pipeline(), static_cast<std::uint32_t>(groups));
+        record_commands(static_cast<VkProgram&>(program).pipeline(), static_cast<std::uint32_t>(group_count));
         submit();
         for (std::size_t k = 0; k < buffers.size(); ++k) {
             if (buffers[k].is_written)
@@ -334,13 +334,13 @@ private:
     }
 
     /// Records a run of the program. The barrier makes its results visible to the processor.
-    void record_commands(VkPipeline pipeline, std::uint32_t groups) {
+    void record_commands(VkPipeline pipeline, std::uint32_t group_count) {
         VkCommandBufferBeginInfo begin{};
         begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
         require_success(vkBeginCommandBuffer(commands_, &begin), "create commands");
         vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
         vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, layout_, 0, 1, &set_, 0, nullptr);
-        vkCmdDispatch(commands_, groups, 1, 1);
+        vkCmdDispatch(commands_, group_count, 1, 1);
 
         VkMemoryBarrier barrier{};
         barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;

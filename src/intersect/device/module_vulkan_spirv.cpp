@@ -99,8 +99,8 @@ int run_glslang(const MemoryFile& program, const MemoryFile& spirv, const Memory
 void require_no_foreign_resources(const std::vector<std::uint32_t>& code) {
     constexpr std::uint32_t op_name = 5, op_variable = 59, uniform_constant = 0, uniform = 2;
     std::map<std::uint32_t, std::string> names;
-    constexpr std::size_t header_words = 5;
-    for (std::size_t position = header_words; position < code.size() && code[position] >> 16U != 0;
+    constexpr std::size_t header_word_count = 5;
+    for (std::size_t position = header_word_count; position < code.size() && code[position] >> 16U != 0;
          position += code[position] >> 16U) {
         const std::uint32_t op = code[position] & 0xffffU, word_count = code[position] >> 16U;
         if (position + word_count > code.size()) return;

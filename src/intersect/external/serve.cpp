@@ -73,8 +73,9 @@ std::uint8_t* hits_in(const BatchColumns& columns) {
 }
 
 template <class S>
-void mark_unwritten_in(const BatchColumns& columns, std::size_t rays) {
-    mark_unwritten<S>({reinterpret_cast<S*>(columns[BatchColumn::near_far]), 2 * rays}, {hits_in(columns), rays});
+void mark_unwritten_in(const BatchColumns& columns, std::size_t ray_count) {
+    mark_unwritten<S>({reinterpret_cast<S*>(columns[BatchColumn::near_far]), 2 * ray_count},
+                      {hits_in(columns), ray_count});
 }
 
 /// Writes the answer into the columns. Returns the error text if the form fails, else an empty text.

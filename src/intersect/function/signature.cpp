@@ -148,18 +148,18 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
             return *named;
 
     // The only shape with so many vectors and numbers beside the origin and the direction.
-    std::size_t vectors = 0, numbers = 0;
+    std::size_t vector_count = 0, numbers = 0;
     bool has_fourth = false;
     for (const Part& part : parts) {
         has_fourth = has_fourth || part.has_fourth;
         if (part.is_out || part.slot.is_integer || is_tmin(part) || is_tmax(part) ||
             is_inverse_direction_name(part.last_name))
             continue;
-        ++(part.is_vector ? vectors : numbers);
+        ++(part.is_vector ? vector_count : numbers);
     }
-    if (vectors == 3 && (numbers == 1 || (numbers == 0 && has_fourth))) return Shape::sphere;
-    if (vectors == 4 && numbers == 0) return Shape::box;
-    if (vectors == 5 && numbers == 0) return Shape::triangle;
+    if (vector_count == 3 && (numbers == 1 || (numbers == 0 && has_fourth))) return Shape::sphere;
+    if (vector_count == 4 && numbers == 0) return Shape::box;
+    if (vector_count == 5 && numbers == 0) return Shape::triangle;
     throw InputError(message_prefix +
                      ": cannot tell from its name and its arguments which primitive it intersects; add a comment such "
                      "as // lostbits: sphere(o, d, c, r)");

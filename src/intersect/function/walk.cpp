@@ -432,7 +432,7 @@ void Walk::run_blocks(CallFrame& frame) {
     }
 }
 
-Walk::Answer Walk::run(const std::string& name, int inputs) {
+Walk::Answer Walk::run(const std::string& name, int input_count) {
     try {
         const IrFunction* const f = module_.find_function(name);
         if (f == nullptr) fail("the LLVM IR does not define " + name);
@@ -443,7 +443,7 @@ Walk::Answer Walk::run(const std::string& name, int inputs) {
         for (int k = 0; k < 3; ++k) arguments.push_back(integer_from_cases({{yes, new_object(state), 0}}, 8));
         const std::size_t size = nodes_.bits() / 8;
         Value input;
-        for (int k = 0; k < inputs; ++k)
+        for (int k = 0; k < input_count; ++k)
             write_bytes(input, static_cast<std::size_t>(k) * size, size, number(nodes_.input(k)));
         *state.memory[in_object] = input;
 

@@ -58,7 +58,7 @@ public:
     };
     /// Runs `void NAME(const T* in, T* out, int* hit)`. `in` holds `inputs` numbers; `out` receives t and the far t.
     /// Throws InputError with the place of anything that cannot be followed.
-    Answer run(const std::string& name, int inputs);
+    Answer run(const std::string& name, int input_count);
 
     [[nodiscard]] const std::vector<SourcePlace>& places() const { return places_; }
     /// A number that a variable of the user's function receives: `v[0]` of `float v[3]`.

@@ -202,8 +202,8 @@ std::optional<Value> Walk::run_llvm_function(const std::string& name, const Type
     // Tests of numbers: only the test for NaN, quiet or signalling.
     if (is_function("is.fpclass") && arguments.size() >= 2) {
         const NodeId x = number_of(arguments[0], *types[0]);
-        const std::int64_t classes = cases_of(arguments[1], *types[1])[0].value;
-        if (classes == 3) return integer_from_mask(nodes_.is_nan(x));
+        const std::int64_t class_count = cases_of(arguments[1], *types[1])[0].value;
+        if (class_count == 3) return integer_from_mask(nodes_.is_nan(x));
     }
     return {};
 }

@@ -80,8 +80,8 @@ std::vector<std::string> roles_of(const std::vector<const Parameter*>& vectors, 
 }
 
 /// Number of keys that have this many numbers.
-std::size_t count_of(const ShapeRow& shape_row, std::size_t numbers) {
-    return static_cast<std::size_t>(std::ranges::count(shape_row.keys, numbers, &Key::count));
+std::size_t count_of(const ShapeRow& shape_row, std::size_t number_count) {
+    return static_cast<std::size_t>(std::ranges::count(shape_row.keys, number_count, &Key::count));
 }
 
 bool contains_any(const std::string& name, std::initializer_list<std::string_view> fragments) {
@@ -163,17 +163,18 @@ private:
     /// Chooses the shape that has as many points and lengths as the function has beside the `ray_vectors` vectors of
     /// the ray. If several shapes match, chooses the shape all of whose keys are names of parameters, or else the
     /// first.
-    bool choose_shape(std::size_t ray_vectors) {
-        if (vectors_.size() < ray_vectors || (vec4_ && vectors_.size() > ray_vectors)) return false;
+    bool choose_shape(std::size_t ray_vector_count) {
+        if (vectors_.size() < ray_vector_count || (vec4_ && vectors_.size() > ray_vector_count)) return false;
         const auto is_parameter = [this](const Key& key) {
             return std::ranges::any_of(signature_.function.parameters, [&key](const Parameter& p) {
                 return is_named(key, lower_case(p.name)) ||
                        (key.count() == 3 && role_of(p.name) == variable_of(key.name));
             });
         };
-        const std::size_t points = vec4_ ? 1 : vectors_.size() - ray_vectors, lengths = vec4_ ? 1 : lengths_.size();
+        const std::size_t point_count = vec4_ ? 1 : vectors_.size() - ray_vector_count,
+                          lengths = vec4_ ? 1 : lengths_.size();
         for (const ShapeRow& shape_row : shape_rows) {
-            if (count_of(shape_row, 3) != points || count_of(shape_row, 1) != lengths) continue;
+            if (count_of(shape_row, 3) != point_count || count_of(shape_row, 1) != lengths) continue;
             if (shape_ == nullptr || std::ranges::all_of(shape_row.keys, is_parameter)) shape_ = &shape_row;
         }
         return shape_ != nullptr;
@@ -183,17 +184,19 @@ private:
     /// primitive.
     bool choose_kind() {
         using Kind = Signature::Kind;
-        const std::size_t vectors = vectors_.size();
+        const std::size_t vector_count = vectors_.size();
         const std::string name = lower_case(signature_.function.name);
         const bool is_field_name = contains_any(name, {"map", "sdf", "scene", "field", "getdist"}) || name == "de";
         const bool is_march_name = contains_any(name, {"march", "trace", "cast"});
 
         // The ray of an intersector or a march is two vectors; a field takes one point.
-        const bool has_primitive = vec4_ || !lengths_.empty() || vectors > 2;
-        const bool from_point = vectors > 0 && role_of(signature_.function.parameters[vectors_[0]].name) != origin;
+        const bool has_primitive = vec4_ || !lengths_.empty() || vector_count > 2;
+        const bool from_point = vector_count > 0 && role_of(signature_.function.parameters[vectors_[0]].name) != origin;
         if (has_primitive && choose_shape(2)) signature_.kind = Kind::intersector;
-        else if (!has_primitive && vectors == 2 && (is_named_by_user_ || is_march_name)) signature_.kind = Kind::march;
-        else if (from_point && (is_named_by_user_ || is_field_name) && (has_primitive ? choose_shape(1) : vectors == 1))
+        else if (!has_primitive && vector_count == 2 && (is_named_by_user_ || is_march_name))
+            signature_.kind = Kind::march;
+        else if (from_point && (is_named_by_user_ || is_field_name) &&
+                 (has_primitive ? choose_shape(1) : vector_count == 1))
             signature_.kind = Kind::field;
         else return false;
         return true;

@@ -38,7 +38,7 @@ struct AnswerBuffers {
     std::vector<S> t, near, far;
     std::vector<std::uint8_t> hit;
 
-    explicit AnswerBuffers(std::size_t rays) : t(rays), near(rays), far(rays), hit(rays) {}
+    explicit AnswerBuffers(std::size_t ray_count) : t(ray_count), near(ray_count), far(ray_count), hit(ray_count) {}
     [[nodiscard]] intersect::table::HitBatch<S> hits(std::size_t i, std::size_t end) {
         const auto part = [&](auto& column) { return std::span(column).subspan(i, end - i); };
         return {part(t), part(near), part(far), part(hit)};

@@ -190,11 +190,11 @@ ObservedErrors observe_errors(const BoundQuery& query, const std::vector<std::ve
     return result;
 }
 
-std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t boxes, int rays_per_box) {
+std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t box_count, int rays_per_box) {
     auto leaves = query.boxes.leaves();
     std::erase_if(leaves, [](const SubBox* p) { return p->bound.misses || !(p->bound.error < HUGE_VAL); });
     std::ranges::stable_sort(leaves, [](const SubBox* p, const SubBox* q) { return p->bound.error > q->bound.error; });
-    if (leaves.size() > boxes) leaves.resize(boxes);
+    if (leaves.size() > box_count) leaves.resize(box_count);
     scene::rays::Random random(1);
     std::vector<std::vector<double>> result;
     for (const SubBox* const part : leaves) {

@@ -160,15 +160,15 @@ double differs_with_closest(const evaluate::TestedForm& tested_form, double dist
     distribution.adjoining = true;
     distribution.distance = distance;
     distribution.seed = seed;
-    std::size_t rays = 0, different = 0;
+    std::size_t ray_count = 0, different = 0;
     for (scene::rays::RayGroup& group : distribution.draw()) {
         const truth::Band band(std::move(group), limit);
         const FormatInputs in = band.inputs(tested_form.format, {});
         const auto separate = find_nearest(tested_form, in, false), passed_on = find_nearest(tested_form, in, true);
-        rays += separate.size();
+        ray_count += separate.size();
         for (std::size_t i = 0; i < separate.size(); ++i) different += separate[i] != passed_on[i];
     }
-    return static_cast<double>(different) / static_cast<double>(rays);
+    return static_cast<double>(different) / static_cast<double>(ray_count);
 }
 
 namespace {

@@ -74,12 +74,12 @@ bool matches_ideal_scene(const truth::Band& stored, const truth::Band& ideal) {
     const auto t_of = [](const truth::Band& band, std::size_t i) {
         return band.truth(i, {}).is_hit() ? band.rounded_truth(i, binary64, intersect::Direction::any, {}) : HUGE_VAL;
     };
-    std::size_t mismatches = 0;
+    std::size_t mismatch_count = 0;
     for (std::size_t i = 0; i < ideal.pixels(); ++i) {
         const double stored_t = t_of(stored, i), ideal_t = t_of(ideal, i);
-        mismatches += stored_t != ideal_t && !(std::fabs(stored_t - ideal_t) <= 0.1 * ideal_t);
+        mismatch_count += stored_t != ideal_t && !(std::fabs(stored_t - ideal_t) <= 0.1 * ideal_t);
     }
-    return 10 * mismatches <= ideal.pixels();
+    return 10 * mismatch_count <= ideal.pixels();
 }
 
 /// Result at one factor.
@@ -185,8 +185,8 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
         // Far away, rounding makes every triangle of a mesh a possible hit, so each ray is tested against each
         // triangle.
         constexpr std::size_t max_pairs = 1 << 24;
-        const std::size_t faces = request.scene->mesh ? request.scene->mesh->faces.size() : 1;
-        const int max_pixels = std::min(pixels, static_cast<int>(std::max<std::size_t>(max_pairs / faces, 64)));
+        const std::size_t face_count = request.scene->mesh ? request.scene->mesh->faces.size() : 1;
+        const int max_pixels = std::min(pixels, static_cast<int>(std::max<std::size_t>(max_pairs / face_count, 64)));
         measure_at = [&, small_scene = with_smaller_picture(*request.scene, max_pixels)](Growth growth, double factor) {
             return measure_scene(request, tested_form, small_scene, growth, factor);
         };
@@ -207,14 +207,14 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
                                         truth::ProofLimit limit, int pixels) {
     constexpr std::size_t max_tests = 1 << 16;
     constexpr std::size_t max_near_triangles = 64;  // each point is tested against at most this many
-    const std::size_t faces = scene.mesh ? scene.mesh->faces.size() : 0,
-                      other_primitives = scene.primitive_count() - faces;
-    if (other_primitives + faces == 0 || other_primitives > offset::max_primitives ||
+    const std::size_t face_count = scene.mesh ? scene.mesh->faces.size() : 0,
+                      other_primitives = scene.primitive_count() - face_count;
+    if (other_primitives + face_count == 0 || other_primitives > offset::max_primitives ||
         !offset::can_measure_offsets(*tested_form.form))
         return std::nullopt;
 
     // Measures as many pixels as the tests of their points allow.
-    const std::size_t tests_per_point = other_primitives + std::min(faces, max_near_triangles);
+    const std::size_t tests_per_point = other_primitives + std::min(face_count, max_near_triangles);
     const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(max_tests / tests_per_point, 64, 65536));
     const scene::file::Scene small_scene = with_smaller_picture(scene, std::min(pixels, affordable_pixels));
     const offset::OffsetStudy offset_study{.scene = small_scene,

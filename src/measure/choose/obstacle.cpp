@@ -187,17 +187,18 @@ struct TrialRays {
 };
 
 void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& rays) {
-    const std::size_t primitives = std::max<std::size_t>(1, request.scene->primitive_count());
-    const auto affordable_pixels = static_cast<int>(std::clamp<std::size_t>(max_trial_pairs / primitives, 64, 65536));
+    const std::size_t primitive_count = std::max<std::size_t>(1, request.scene->primitive_count());
+    const auto affordable_pixels =
+        static_cast<int>(std::clamp<std::size_t>(max_trial_pairs / primitive_count, 64, 65536));
     rays.scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
     rays.band.emplace(*rays.scene, 0, rays.scene->height, request.limit);
-    if (primitives <= max_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
+    if (primitive_count <= max_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
 }
 
 void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {
     const auto& sample = request.rays->sample;
-    const std::size_t primitives = sample.is_paired ? 1 : sample.primitives.size();
-    const auto affordable_rays = std::max<std::size_t>(64, max_trial_pairs / primitives);
+    const std::size_t primitive_count = sample.is_paired ? 1 : sample.primitives.size();
+    const auto affordable_rays = std::max<std::size_t>(64, max_trial_pairs / primitive_count);
     const auto smaller_sample =
         sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels), affordable_rays));
     rays.band.emplace(smaller_sample, request.limit);

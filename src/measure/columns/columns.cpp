@@ -75,10 +75,10 @@ struct BlockIndices {
 
 }  // namespace
 
-void TrueLengths::resize(std::size_t rays) {
-    decision.resize(rays);
-    object.resize(rays);
-    for (auto* column : {&hi, &lo, &inverse}) column->resize(rays);
+void TrueLengths::resize(std::size_t ray_count) {
+    decision.resize(ray_count);
+    object.resize(ray_count);
+    for (auto* column : {&hi, &lo, &inverse}) column->resize(ray_count);
 }
 
 void TrueLengths::set(std::size_t i, const truth::Truth& ray_truth, Direction direction_kind) {

@@ -20,7 +20,7 @@ struct TrueLengths {
     std::vector<std::int32_t> object;
     std::vector<double> hi, lo, inverse;
 
-    void resize(std::size_t rays);
+    void resize(std::size_t ray_count);
     void set(std::size_t i, const truth::Truth& ray_truth, intersect::Direction direction_kind);
 };
 

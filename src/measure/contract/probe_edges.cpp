@@ -52,12 +52,12 @@ Question draw_question_at_point(const rays::AimedPlace& target, double offset, c
 /// because few rays near it hit.
 std::vector<AnsweredQuestion> questions_at_place(const Trial& trial, const scene::sweep::DistributionRow& distribution,
                                                  int aim, bool is_upright) {
-    constexpr int attempts = 320, changes = 32;
+    constexpr int attempt_count = 320, changes = 32;
     constexpr std::size_t max_questions = 64;
     RandomNumbers random;
     rays::Random place_random(1);
     std::vector<Question> questions;
-    for (int i = 0; i < attempts && questions.size() < max_questions; ++i) {
+    for (int i = 0; i < attempt_count && questions.size() < max_questions; ++i) {
         const Primitive<double> any_primitive = random_primitive(trial.shape, is_upright, random);
         const Primitive<double> primitive = i % 4 < 2 ? any_primitive : shrink_to_apex(any_primitive);
 
@@ -293,11 +293,11 @@ bool any_hit(const Trial& trial, std::span<const Question> questions, std::span<
 
 /// Draws the rays of a scale, at edges and vertices of random meshes.
 std::vector<RayAtMeshEdge> draw_rays(const Trial& trial, std::size_t scale) {
-    constexpr int attempts = 768, rays_of_mesh = 16;
+    constexpr int attempt_count = 768, rays_of_mesh = 16;
     rays::Random random(scale + 1);
     std::vector<RayAtMeshEdge> rays_at_edges;
     Mesh mesh;
-    for (int i = 0; i < attempts; ++i) {
+    for (int i = 0; i < attempt_count; ++i) {
         if (i % rays_of_mesh == 0) mesh = random_mesh(trial.contract.bits, random);
         if (const auto edge_ray = draw_ray(mesh, trial.contract, random)) rays_at_edges.push_back(*edge_ray);
     }

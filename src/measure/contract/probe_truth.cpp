@@ -179,12 +179,12 @@ double half_extent_of(const Primitive<double>& primitive) {
     return std::min(visit(primitive, [](const auto& shape) { return shape.half_extent(); }), 4.0);
 }
 
-bool is_benign(const Trial& trial, const Question& question, RandomNumbers& random, int changes) {
+bool is_benign(const Trial& trial, const Question& question, RandomNumbers& random, int change_count) {
     const HitOrMiss right = trial.truth(question);
     const Vec<double>& d = question.ray.direction;
     const double size = half_extent_of(primitive_of(question, trial.shape)), length = std::hypot(d.x, d.y, d.z);
     if (right.hit && right.t != 0 && right.t * length < size / 16) return false;
-    for (int i = 0; i < changes; ++i) {
+    for (int i = 0; i < change_count; ++i) {
         Question changed = question;
         for (int k = 0; k < 3; ++k) changed.ray.origin[k] += 0x1p-5 * size * random();
         for (int k = 0; k < 3; ++k) changed.ray.direction[k] += 0x1p-6 * length * random();

@@ -52,7 +52,7 @@ Question scale_question(const Question& question, Shape shape, int power);
 
 /// True if none of `changes` small random changes of the ray changes the answer much. Every usual formula answers such
 /// a question correctly.
-bool is_benign(const Trial& trial, const Question& question, RandomNumbers& random, int changes = 6);
+bool is_benign(const Trial& trial, const Question& question, RandomNumbers& random, int change_count = 6);
 
 std::string numbers_text(std::span<const double> numbers);
 /// Text with the six numbers of a ray: those of its origin, then those of its direction.

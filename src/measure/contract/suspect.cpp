@@ -49,9 +49,9 @@ bool is_round(double factor) {
 /// answer.
 std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
     const bool is_single = wrong.size() == 1;
-    std::size_t false_misses = 0, false_hits = 0, not_finite = 0;
+    std::size_t false_miss_count = 0, false_hits = 0, not_finite = 0;
     for (const AnswerSample& sample : wrong) {
-        false_misses += !sample.hit;
+        false_miss_count += !sample.hit;
         false_hits += sample.hit && !sample.truly_hits;
         not_finite += sample.hit && sample.truly_hits && !std::isfinite(sample.t);
     }
@@ -63,10 +63,10 @@ std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
         else text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, n == 1 ? one_text : many_text);
     };
     add(false_hits, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
-    add(false_misses, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
+    add(false_miss_count, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
     add(not_finite, "its t is not a finite number", "has a t that is not a finite number",
         "have a t that is not a finite number");
-    add(wrong.size() - false_hits - false_misses - not_finite, "its t is off by more than 0.4%",
+    add(wrong.size() - false_hits - false_miss_count - not_finite, "its t is off by more than 0.4%",
         "has a t that is off by more than 0.4%", "have a t that is off by more than 0.4%");
     return fmt::format("{}; no known mistake explains {}", text, is_single ? "it" : "nine in ten of them");
 }
@@ -211,9 +211,9 @@ std::string units_text(const std::array<SuspectAnswers, 2>& halves) {
 
 }  // namespace
 
-std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source, std::uint64_t more_misses) {
+std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source, std::uint64_t more_miss_count) {
     SuspectAnswers suspects(rays);
-    suspects.more_right_misses = more_misses;
+    suspects.more_right_misses = more_miss_count;
     if (!suspects.is_mostly_wrong()) return "";
 
     // If enough rays both hit and should hit, mistakes about t are tested on those rays only.

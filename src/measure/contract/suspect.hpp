@@ -52,7 +52,7 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 ///
 /// `more_misses`: number of right misses in addition to those in `rays`.
 std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
-                           std::uint64_t more_misses = 0);
+                           std::uint64_t more_miss_count = 0);
 
 /// Does the same for a row on a small picture of a scene, or on the first rays of a step of a sweep that is called
 /// `where`. The text begins with the rays that were counted: `on all 64 rays of x: `, `on a sample of x, …: `.

@@ -198,9 +198,9 @@ bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle,
 }
 
 PointInMesh locate_in_mesh(const Vec<double>& point, const Triangles& triangles, ProofLimit limit) {
-    constexpr int attempts = 64;
+    constexpr int attempt_count = 64;
     if (is_valid(Ray<double>{point, {1, 1, 1}}))
-        for (int k = 0; k < attempts; ++k)
+        for (int k = 0; k < attempt_count; ++k)
             if (const auto found = count_crossings({point, direction_of_attempt(k)}, triangles, limit)) return *found;
     return {.is_resolved = false};
 }

@@ -385,8 +385,8 @@ void BoxTree::find_candidates(const Ray<double>& ray, std::vector<std::uint32_t>
 // turns, their waits overlap.
 void BoxTree::append_candidates(std::span<const Ray<double>> rays, std::vector<std::uint32_t>& candidates,
                                 std::span<std::size_t> ends) const {
-    constexpr std::size_t most_walks = 16, batch_size = 256;
-    std::array<Walk, most_walks> walks;
+    constexpr std::size_t most_walk_count = 16, batch_size = 256;
+    std::array<Walk, most_walk_count> walks;
     std::vector<std::vector<std::uint32_t>> candidates_by_ray(std::min(rays.size(), batch_size));
     for (std::size_t begin = 0; begin < rays.size(); begin += batch_size) {
         const std::size_t count = std::min(batch_size, rays.size() - begin);

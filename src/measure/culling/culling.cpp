@@ -29,12 +29,12 @@ void PrimitiveIndex::append_candidates(std::span<const Ray<double>> rays, std::v
 
 CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::RayBlock& rays) {
     constexpr std::size_t rays_per_part = 1024;
-    const std::size_t parts = (rays.size() + rays_per_part - 1) / rays_per_part;
+    const std::size_t part_count = (rays.size() + rays_per_part - 1) / rays_per_part;
 
     // Each part lists its own candidates, with ends from its first pair on.
-    std::vector<std::vector<std::uint32_t>> primitives(parts);
+    std::vector<std::vector<std::uint32_t>> primitives(part_count);
     ends_.resize(rays.size() + 1);
-    intersect::process::in_parallel(std::size_t{0}, parts, [&](std::size_t part) {
+    intersect::process::in_parallel(std::size_t{0}, part_count, [&](std::size_t part) {
         const std::size_t begin = part * rays_per_part, end = std::min(rays.size(), begin + rays_per_part);
         std::vector<Ray<double>> part_rays;
         for (std::size_t i = begin; i < end; ++i) part_rays.push_back(rays[i]);
@@ -43,7 +43,7 @@ CandidateLists::CandidateLists(const PrimitiveIndex& index, const scene::rays::R
 
     // Joins the lists.
     std::size_t pairs_before = 0;
-    for (std::size_t part = 0; part < parts; pairs_before += primitives[part].size(), ++part)
+    for (std::size_t part = 0; part < part_count; pairs_before += primitives[part].size(), ++part)
         for (std::size_t i = part * rays_per_part; i < std::min(rays.size(), (part + 1) * rays_per_part); ++i)
             ends_[i + 1] += pairs_before;
     primitives_.reserve(ends_.back());

@@ -172,11 +172,11 @@ public:
 
     void find_outcome(EdgeFinding& finding, std::size_t outcome_index) {
         outcome_index_ = outcome_index;
-        const std::int64_t batches =
+        const std::int64_t batch_count =
             (file_.rays + eyes_per_batch * rays_per_eye - 1) / static_cast<std::int64_t>(eyes_per_batch * rays_per_eye);
         // The tolerance allows for the rounding of the eye's position.
         const auto is_near_enough = [this] { return best_ && best_->distance <= file_.distance.low * (1 + 0x1p-10); };
-        for (std::int64_t k = 0; k < batches && !is_near_enough(); ++k) {
+        for (std::int64_t k = 0; k < batch_count && !is_near_enough(); ++k) {
             std::vector<Eye> batch_eyes;
             const std::vector<AimedRay> batch = next_batch(batch_eyes);
             finding.rays[outcome_index_] += batch.size();

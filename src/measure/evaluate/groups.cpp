@@ -45,11 +45,11 @@ void Groups::insert(std::size_t index, Group&& group) {
     all_.insert(all_.begin() + static_cast<std::ptrdiff_t>(index), std::move(group));
 }
 
-void Groups::add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics) {
+void Groups::add(const std::string& value, std::size_t row_count, const std::vector<const metric::Metric*>& metrics) {
     const std::size_t index = index_of(value);
     if (has(value, index)) return;
     Group group{value, {}};
-    for (std::size_t r = 0; r < rows; ++r) group.summaries.emplace_back(metrics);
+    for (std::size_t r = 0; r < row_count; ++r) group.summaries.emplace_back(metrics);
     insert(index, std::move(group));
 }
 

@@ -25,7 +25,7 @@ public:
 
     /// Makes the group of a new value, with an empty summary of these metrics for each tested form. Throws InputError
     /// for more than `max_values` values.
-    void add(const std::string& value, std::size_t rows, const std::vector<const metric::Metric*>& metrics);
+    void add(const std::string& value, std::size_t row_count, const std::vector<const metric::Metric*>& metrics);
     /// Group of a value that was added. May be called by several threads at once.
     [[nodiscard]] Group& at(const std::string& value) { return all_[index_of(value)]; }
     /// Adds the groups of the rays that come next.

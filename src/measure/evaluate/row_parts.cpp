@@ -39,12 +39,12 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
     }
 
     // Counts the rays of the band.
-    std::uint64_t true_hits = 0;
+    std::uint64_t true_hit_count = 0;
     for (const Truth::Decision decision : truth.decision)
-        true_hits += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
+        true_hit_count += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
         summary.outcomes[o] += static_cast<std::uint64_t>(std::ranges::count(out.outcomes, static_cast<Outcome>(o)));
-    summary.true_hits += true_hits;
+    summary.true_hits += true_hit_count;
     summary.rays += n;
 }
 

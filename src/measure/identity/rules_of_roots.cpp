@@ -98,15 +98,16 @@ std::optional<Sum> without_squared_roots(const Terms& terms, const Sum& sum) {
         // The product, as a sum if it has a square of a root.
         Sum term{{{}, factor}};
         for (const auto& [atom, exponent] : product) {
-            const int squares = terms[atom].op == TapeOp::sqrt ? exponent / 2 : 0;
-            if (exponent != 2 * squares) term = times(term, Sum{{power(atom, exponent - 2 * squares), Ratio(1, 1)}});
-            if (squares == 0) continue;
+            const int square_count = terms[atom].op == TapeOp::sqrt ? exponent / 2 : 0;
+            if (exponent != 2 * square_count)
+                term = times(term, Sum{{power(atom, exponent - 2 * square_count), Ratio(1, 1)}});
+            if (square_count == 0) continue;
 
             has_replaced = true;
             const auto radicand = multiply_out(terms, terms[atom].operands[0]);
-            if (!radicand || radicand->empty() || (squares < 0 && radicand->size() > 1)) return std::nullopt;
-            const Sum factor_sum = squares > 0 ? *radicand : divided_by(Sum{{{}, Ratio(1, 1)}}, *radicand);
-            for (int k = 0; k < std::abs(squares); ++k) term = times(term, factor_sum);
+            if (!radicand || radicand->empty() || (square_count < 0 && radicand->size() > 1)) return std::nullopt;
+            const Sum factor_sum = square_count > 0 ? *radicand : divided_by(Sum{{{}, Ratio(1, 1)}}, *radicand);
+            for (int k = 0; k < std::abs(square_count); ++k) term = times(term, factor_sum);
         }
 
         result = plus(std::move(result), term);

@@ -347,15 +347,15 @@ std::uint64_t JudgeResult::scaled_right_misses(const evaluate::FormSummary& file
 }
 
 bool JudgeResult::has_all_samples(const evaluate::FormSummary& file) const {
-    const std::uint64_t right_misses = file.count(answer::Outcome::agree_miss);
-    return first_samples.size() + right_misses + file.count(answer::Outcome::unresolved) >= rays;
+    const std::uint64_t right_miss_count = file.count(answer::Outcome::agree_miss);
+    return first_samples.size() + right_miss_count + file.count(answer::Outcome::unresolved) >= rays;
 }
 
 std::uint64_t count_pieces(RayFile& ray_file, const JudgeRequest& request) {
     Records records;
-    std::uint64_t pieces = 0;
-    while (ray_file.next(records_of_piece(request), records)) ++pieces;
-    return pieces;
+    std::uint64_t piece_count = 0;
+    while (ray_file.next(records_of_piece(request), records)) ++piece_count;
+    return piece_count;
 }
 
 void require_ray_count(const RayFile& ray_file, const JudgeRequest& request, const JudgeResult& result) {

@@ -54,7 +54,7 @@ struct JudgeRequest {
     /// The pieces of the file to measure, see `count_pieces`; absent: all pieces.
     std::optional<shard::UnitRange> pieces = {};
     /// Receives the numbers of rays and of bytes of the file done since the last call; may throw to stop.
-    std::function<void(std::uint64_t rays, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
+    std::function<void(std::uint64_t ray_count, std::uint64_t bytes)> progress = [](std::uint64_t, std::uint64_t) {};
 
     [[nodiscard]] bool is_file_form(const evaluate::TestedForm& tested_form) const {
         return tested_form.form == file_answers_form;

@@ -118,11 +118,11 @@ std::uint64_t QuantileHistogram::bucket_count(std::uint32_t index) const {
     return carry == carries_.end() ? low : std::uint64_t{carry->second} << 32 | low;
 }
 
-void QuantileHistogram::set_bucket(std::uint32_t index, std::uint64_t samples) {
+void QuantileHistogram::set_bucket(std::uint32_t index, std::uint64_t sample_count) {
     auto& binade = binades_.at(index / buckets_per_binade);
     if (!binade) binade = std::make_unique<Binade>();
-    (*binade)[index % buckets_per_binade] = static_cast<std::uint32_t>(samples);
-    if (samples >> 32 != 0) carries_[index] = static_cast<std::uint32_t>(samples >> 32);
+    (*binade)[index % buckets_per_binade] = static_cast<std::uint32_t>(sample_count);
+    if (sample_count >> 32 != 0) carries_[index] = static_cast<std::uint32_t>(sample_count >> 32);
 }
 
 void QuantileHistogram::add(const QuantileHistogram& other) {
@@ -136,10 +136,10 @@ void QuantileHistogram::add(const QuantileHistogram& other) {
 void QuantileHistogram::list_buckets(std::vector<std::uint32_t>& indices, std::vector<std::uint64_t>& counts) const {
     for (std::uint32_t b = 0; b < binades_.size(); ++b) {
         for (std::uint32_t i = 0; binades_[b] && i < buckets_per_binade; ++i) {
-            const std::uint64_t samples = bucket_count(b * buckets_per_binade + i);
-            if (samples == 0) continue;
+            const std::uint64_t sample_count = bucket_count(b * buckets_per_binade + i);
+            if (sample_count == 0) continue;
             indices.push_back(b * buckets_per_binade + i);
-            counts.push_back(samples);
+            counts.push_back(sample_count);
         }
     }
 }

@@ -104,7 +104,7 @@ private:
     using Binade = std::array<std::uint32_t, buckets_per_binade>;
 
     [[nodiscard]] std::uint64_t bucket_count(std::uint32_t index) const;
-    void set_bucket(std::uint32_t index, std::uint64_t samples);
+    void set_bucket(std::uint32_t index, std::uint64_t sample_count);
     /// Lists the index of each bucket that is not empty, in rising order, and its number of samples.
     void list_buckets(std::vector<std::uint32_t>& indices, std::vector<std::uint64_t>& counts) const;
     void set_buckets(const std::vector<std::uint32_t>& indices, const std::vector<std::uint64_t>& counts);

@@ -48,8 +48,8 @@ std::vector<std::uint8_t> find_blockers(const intersect::table::Intersector& for
     std::vector<std::uint8_t> blocked(shadow.rays.size(), blocked_by_nothing);
     const intersect::simd::PackedFormKernels native = intersect::simd::packed_kernels(form);
     constexpr std::size_t chunk_size = 4096;
-    const std::size_t chunks = (blocked.size() + chunk_size - 1) / chunk_size;
-    intersect::process::in_parallel(std::size_t{0}, chunks, [&](std::size_t c) {
+    const std::size_t chunk_count = (blocked.size() + chunk_size - 1) / chunk_size;
+    intersect::process::in_parallel(std::size_t{0}, chunk_count, [&](std::size_t c) {
         inputs.stop.check();
         const std::size_t begin = c * chunk_size, count = std::min(chunk_size, blocked.size() - begin);
         with_kernel(form, native, format, [&]<class S>(const auto& kernel) {

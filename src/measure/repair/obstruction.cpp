@@ -33,7 +33,7 @@ double error_in_ulps(double t, double correct_t, const FloatFormat& format) {
 FormQuality RaySample::measure_exact_quality(const Tape& tape, const std::vector<std::vector<double>>& inputs) const {
     FormQuality quality;
     metric::Distribution lost;
-    std::uint64_t false_hits = 0;
+    std::uint64_t false_hit_count = 0;
     const FloatFormat& format = tested_form_.format.parameters;
 
     for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -52,17 +52,17 @@ FormQuality RaySample::measure_exact_quality(const Tape& tape, const std::vector
         quality.hits += should_hit ? 1 : 0;
         if (hit != should_hit) {
             ++quality.wrong;
-            false_hits += hit ? 1 : 0;
+            false_hit_count += hit ? 1 : 0;
         } else if (hit) {
             lost.add(truth::lost_bits(error_in_ulps(t, correct_t, format), format.precision));
         }
     }
 
     quality.kept_bits = format.precision - lost.quantile(requirement_.quantile);
-    const bool are_mostly_false_hits = 2 * false_hits > quality.wrong;
+    const bool are_mostly_false_hits = 2 * false_hit_count > quality.wrong;
     if (quality.wrong > 0)
         quality.main_fault = are_mostly_false_hits ? answer::Outcome::false_hit : answer::Outcome::false_miss;
-    quality.main_fault_count = are_mostly_false_hits ? false_hits : quality.wrong - false_hits;
+    quality.main_fault_count = are_mostly_false_hits ? false_hit_count : quality.wrong - false_hit_count;
     return quality;
 }
 

@@ -90,12 +90,13 @@ struct RequestRays {
     std::optional<FloatFormat> format;
 };
 
-std::optional<RequestRays> take_request_rays(const RepairRequest& request, int rays) {
-    const std::size_t primitives = request.scene                    ? request.scene->primitive_count()
-                                   : request.rays->sample.is_paired ? 1
-                                                                    : request.rays->sample.primitives.size();
-    if (primitives == 0 || primitives > max_primitives) return std::nullopt;
-    const std::size_t max_rays = std::clamp<std::size_t>(max_pairs / primitives, 64, static_cast<std::size_t>(rays));
+std::optional<RequestRays> take_request_rays(const RepairRequest& request, int ray_count) {
+    const std::size_t primitive_count = request.scene                    ? request.scene->primitive_count()
+                                        : request.rays->sample.is_paired ? 1
+                                                                         : request.rays->sample.primitives.size();
+    if (primitive_count == 0 || primitive_count > max_primitives) return std::nullopt;
+    const std::size_t max_rays =
+        std::clamp<std::size_t>(max_pairs / primitive_count, 64, static_cast<std::size_t>(ray_count));
     if (!request.scene) {
         if (request.rays->sample.mesh) return std::nullopt;
         return RequestRays{choose::exact_rays(sample_rays(request.rays->sample, max_rays)),
@@ -112,9 +113,9 @@ std::optional<RequestRays> take_request_rays(const RepairRequest& request, int r
 
 }  // namespace
 
-std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, int rays) {
+std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, int ray_count) {
     std::vector<std::unique_ptr<Probe>> probes;
-    const auto originals = take_request_rays(request, rays);
+    const auto originals = take_request_rays(request, ray_count);
     if (!originals) return probes;
     for (const Isometry& isometry : isometries) {
         if (isometry.mirrors() && request.tested_form.form->info->facing != intersect::Facing::both) continue;

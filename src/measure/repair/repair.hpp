@@ -138,7 +138,7 @@ class RaySample {
 public:
     /// Takes about `rays` rays, evenly over the picture or the file. Each ray comes with the primitive that it truly
     /// hits, or with the first one.
-    explicit RaySample(const RepairRequest& request, int rays = 64);
+    explicit RaySample(const RepairRequest& request, int ray_count = 64);
 
     /// Counts, for each operation of a tape, the rays of the sample on which it is the culprit.
     [[nodiscard]] std::vector<int> count_culprits(Tape tape) const;

@@ -201,14 +201,15 @@ Tape run_with_inputs(Tape tape, const std::vector<double>& inputs, bool rounds) 
     return tape;
 }
 
-RaySample::RaySample(const RepairRequest& request, int rays)
+RaySample::RaySample(const RepairRequest& request, int ray_count)
     : tested_form_(request.tested_form), requirement_(request.requirement), limit_(request.limit) {
     const evaluate::TestedForm& tested_form = request.tested_form;
     std::optional<scene::file::Scene> smaller_scene;
-    if (request.scene) smaller_scene = choose::with_smaller_picture(*request.scene, rays);
+    if (request.scene) smaller_scene = choose::with_smaller_picture(*request.scene, ray_count);
     const truth::Band band =
-        smaller_scene ? truth::Band(*smaller_scene, 0, smaller_scene->height, request.limit)
-                      : truth::Band(sample_rays(request.rays->sample, static_cast<std::size_t>(rays)), request.limit);
+        smaller_scene
+            ? truth::Band(*smaller_scene, 0, smaller_scene->height, request.limit)
+            : truth::Band(sample_rays(request.rays->sample, static_cast<std::size_t>(ray_count)), request.limit);
     const auto inputs = band.inputs_for(tested_form.format, *tested_form.form->info);
     const auto& form_rays = inputs.rays_for(*tested_form.form->info);
     const bool takes_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;

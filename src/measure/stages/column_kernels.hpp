@@ -59,19 +59,19 @@ private:
 /// Calls `Step::run(cursor)` for each pack. (This function is flattened itself: GCC keeps calls in a lambda of a
 /// flattened function.)
 template <class P, class Step, bool all_move>
-[[gnu::flatten]] void run_packs(double* scratch, const ColumnOperand* operands, std::size_t packs) {
+[[gnu::flatten]] void run_packs(double* scratch, const ColumnOperand* operands, std::size_t pack_count) {
     ColumnCursor<P, Step::columns, all_move> cursor(scratch, operands);
-    for (std::size_t i = 0; i < packs; ++i) {
+    for (std::size_t i = 0; i < pack_count; ++i) {
         cursor.move_to(i);
         Step::run(cursor);
     }
 }
 template <class P, class Step>
-void run(double* scratch, const ColumnOperand* operands, std::size_t packs) {
+void run(double* scratch, const ColumnOperand* operands, std::size_t pack_count) {
     bool all_move = true;
     for (std::size_t k = 0; k < Step::columns; ++k) all_move = all_move && operands[k].step != 0;
-    if (all_move) run_packs<P, Step, true>(scratch, operands, packs);
-    else run_packs<P, Step, false>(scratch, operands, packs);
+    if (all_move) run_packs<P, Step, true>(scratch, operands, pack_count);
+    else run_packs<P, Step, false>(scratch, operands, pack_count);
 }
 
 template <ColumnOperation operation, class P>
@@ -219,25 +219,25 @@ void fill_kernels(ColumnKernels::WordKernels& kernels) {
 template <class P>
 struct ColumnMoves {
     template <class S>
-    static void load(const RawColumn<S>& source, std::size_t first, double* target, std::size_t packs) {
-        for (std::size_t i = 0; i < packs; ++i)
+    static void load(const RawColumn<S>& source, std::size_t first, double* target, std::size_t pack_count) {
+        for (std::size_t i = 0; i < pack_count; ++i)
             P::load(source.from + (first + i * P::lanes) * source.step).store(target + i * P::lanes);
     }
     static void repeat(double x, double* target) { P(x).store(target); }
-    static bool is_any(const double* mask, std::size_t packs) {
+    static bool is_any(const double* mask, std::size_t pack_count) {
         mask_t<P> any = mask_of(P::load(mask));
-        for (std::size_t i = 1; i < packs; ++i) any = any || mask_of(P::load(mask + i * P::lanes));
+        for (std::size_t i = 1; i < pack_count; ++i) any = any || mask_of(P::load(mask + i * P::lanes));
         return any_of(any);
     }
-    static void store_mask(const ColumnCells& mask, std::uint8_t* target, std::size_t packs) {
-        for (std::size_t i = 0; i < packs; ++i) {
+    static void store_mask(const ColumnCells& mask, std::uint8_t* target, std::size_t pack_count) {
+        for (std::size_t i = 0; i < pack_count; ++i) {
             bool lanes[P::lanes];
             mask_of(pack_at(mask, i)).store(lanes);
             std::memcpy(target + i * P::lanes, lanes, P::lanes);
         }
     }
-    static void store_where(const ColumnCells& mask, const ColumnCells& x, double* target, std::size_t packs) {
-        for (std::size_t i = 0; i < packs; ++i)
+    static void store_where(const ColumnCells& mask, const ColumnCells& x, double* target, std::size_t pack_count) {
+        for (std::size_t i = 0; i < pack_count; ++i)
             select(mask_of(pack_at(mask, i)), pack_at(x, i), P(0)).store(target + i * P::lanes);
     }
 

@@ -22,16 +22,16 @@ constexpr std::size_t block_size = 128;
 constexpr std::size_t column_step = block_size + 8;
 constexpr std::size_t max_lanes = 8;
 
-double* scratch_of_thread(std::size_t doubles) {
+double* scratch_of_thread(std::size_t double_count) {
     struct AlignedDeleter {
         void operator()(double* p) const { ::operator delete[](p, std::align_val_t{64}); }
     };
     thread_local std::unique_ptr<double[], AlignedDeleter> scratch;
     thread_local std::size_t size = 0;
-    if (size < doubles) {
-        scratch.reset(static_cast<double*>(::operator new[](doubles * sizeof(double), std::align_val_t{64})));
-        std::fill_n(scratch.get(), doubles, 0.0);
-        size = doubles;
+    if (size < double_count) {
+        scratch.reset(static_cast<double*>(::operator new[](double_count * sizeof(double), std::align_val_t{64})));
+        std::fill_n(scratch.get(), double_count, 0.0);
+        size = double_count;
     }
     return scratch.get();
 }
@@ -177,11 +177,12 @@ void ColumnRun::run(const RawProblems<S>& p) const {
         if (input >= input_of_ray_low) return p.ray_low[input - input_of_ray_low];
         return input >= input_of_primitive ? p.primitive[input - input_of_primitive] : p.ray[input];
     };
-    const auto load = [&](const std::vector<Input>& inputs, double* scratch, std::size_t first, std::size_t packs) {
+    const auto load = [&](const std::vector<Input>& inputs, double* scratch, std::size_t first,
+                          std::size_t pack_count) {
         for (const Input& input_column : inputs) {
             if constexpr (std::is_same_v<S, float>)
-                kernels_->load_floats(column(input_column.input), first, scratch + input_column.offset, packs);
-            else kernels_->load_doubles(column(input_column.input), first, scratch + input_column.offset, packs);
+                kernels_->load_floats(column(input_column.input), first, scratch + input_column.offset, pack_count);
+            else kernels_->load_doubles(column(input_column.input), first, scratch + input_column.offset, pack_count);
         }
     };
 
@@ -193,36 +194,36 @@ void ColumnRun::run(const RawProblems<S>& p) const {
     for (const Step& step : shared_steps_) step.kernel(scratch, step.operands, 1);
 
     for (std::size_t first = 0; first < p.size; first += block_size) {
-        const std::size_t packs = std::min(block_size, p.size - first) / lanes;
-        load(ray_inputs_, scratch, first, packs);
-        run_block(scratch, packs);
+        const std::size_t pack_count = std::min(block_size, p.size - first) / lanes;
+        load(ray_inputs_, scratch, first, pack_count);
+        run_block(scratch, pack_count);
 
         // Decisions are stored for every ray, lengths only where the ray hits.
         const auto cells = [&](std::size_t output) {
             return ColumnCells{scratch + outputs_[output].offset, outputs_[output].step};
         };
-        kernels_->store_mask(cells(output_settled), p.out.settled + first, packs);
-        kernels_->store_mask(cells(output_hit), p.out.hit + first, packs);
+        kernels_->store_mask(cells(output_settled), p.out.settled + first, pack_count);
+        kernels_->store_mask(cells(output_hit), p.out.hit + first, pack_count);
         const auto store_length = [&](std::size_t output, const RawLength& length) {
             if (!length.hi) return;
             double* const columns[3] = {length.hi + first, length.lo + first, length.bound + first};
             for (std::size_t k = 0; k < 3; ++k)
-                kernels_->store_where(cells(output_hit), cells(output + k), columns[k], packs);
+                kernels_->store_where(cells(output_hit), cells(output + k), columns[k], pack_count);
         };
         store_length(output_t, p.out.t);
         store_length(output_distance, p.out.distance);
     }
 }
 
-void ColumnRun::run_block(double* scratch, std::size_t packs) const {
+void ColumnRun::run_block(double* scratch, std::size_t pack_count) const {
     bool are_numbers_needed = true;  // decisions are always needed
     for (const Step& step : ray_steps_) {
         if (!step.kernel) {
             const bool is_shared = step.operands[0].step == 0;
             are_numbers_needed =
-                are_numbers_needed && kernels_->is_any(scratch + step.operands[0].offset, is_shared ? 1 : packs);
+                are_numbers_needed && kernels_->is_any(scratch + step.operands[0].offset, is_shared ? 1 : pack_count);
         } else if (are_numbers_needed || step.acts_on_masks) {
-            step.kernel(scratch, step.operands, packs);
+            step.kernel(scratch, step.operands, pack_count);
         }
     }
 }

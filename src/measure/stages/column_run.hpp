@@ -38,7 +38,7 @@ private:
 
     template <class S>
     void run(const RawProblems<S>& problems) const;
-    void run_block(double* scratch, std::size_t packs) const;
+    void run_block(double* scratch, std::size_t pack_count) const;
 
     const ColumnKernels* kernels_;
     std::size_t scratch_size_ = 0;  ///< in doubles

@@ -84,7 +84,7 @@ struct ColumnCells {
 
 /// Kernels for the instructions of column programs, in registers of one width.
 struct ColumnKernels {
-    using Kernel = void (*)(double* scratch, const ColumnOperand* operands, std::size_t packs);
+    using Kernel = void (*)(double* scratch, const ColumnOperand* operands, std::size_t pack_count);
     using OperationKernels = std::array<Kernel, 64>;  ///< indexed by the set of exact operands
     using WordKernels = std::array<OperationKernels, number::wide::column_operation_count>;
 
@@ -92,13 +92,13 @@ struct ColumnKernels {
     std::array<WordKernels, 2> by_words{};  ///< for bounded numbers of one word, and of two
 
     /// Copy `packs` packs of a column, from the ray `first` on.
-    void (*load_floats)(const RawColumn<float>& from, std::size_t first, double* to, std::size_t packs);
-    void (*load_doubles)(const RawColumn<double>& from, std::size_t first, double* to, std::size_t packs);
+    void (*load_floats)(const RawColumn<float>& from, std::size_t first, double* to, std::size_t pack_count);
+    void (*load_doubles)(const RawColumn<double>& from, std::size_t first, double* to, std::size_t pack_count);
     void (*repeat)(double x, double* to);
-    bool (*is_any)(const double* mask, std::size_t packs);
-    void (*store_mask)(const ColumnCells& mask, std::uint8_t* to, std::size_t packs);
+    bool (*is_any)(const double* mask, std::size_t pack_count);
+    void (*store_mask)(const ColumnCells& mask, std::uint8_t* to, std::size_t pack_count);
     /// Stores 0 in lanes in which the mask is not set.
-    void (*store_where)(const ColumnCells& mask, const ColumnCells& x, double* to, std::size_t packs);
+    void (*store_where)(const ColumnCells& mask, const ColumnCells& x, double* to, std::size_t pack_count);
 };
 
 /// Functions that are compiled for one register width. (The stage of a shape is a column program, which `columns`

@@ -95,17 +95,17 @@ std::size_t find_next_block(const std::vector<Block>& blocks, std::uint64_t floa
 
 /// Tries blocks in parallel, and appends their results to the state in order.
 void run_blocks(const ExhaustiveRequest& request, std::span<const Block> blocks, ExhaustiveState& state) {
-    const std::size_t rays = request.sweep.rays.size(), rows = request.tested_forms.size();
-    std::vector<std::vector<FloatTally>> block_tallies(blocks.size() * rays);
+    const std::size_t ray_count = request.sweep.rays.size(), rows = request.tested_forms.size();
+    std::vector<std::vector<FloatTally>> block_tallies(blocks.size() * ray_count);
     std::vector<truth::StageCounts> stages(block_tallies.size());
     intersect::process::in_parallel(std::size_t{0}, block_tallies.size(), [&](std::size_t k) {
-        const Block& block = blocks[k / rays];
-        block_tallies[k] = try_floats({request, k % rays, block.floats}, stages[k]);
+        const Block& block = blocks[k / ray_count];
+        block_tallies[k] = try_floats({request, k % ray_count, block.floats}, stages[k]);
         request.progress(block.floats.size() * rows);
     });
 
     for (std::size_t k = 0; k < block_tallies.size(); ++k) {
-        const std::size_t tally_index = request.tally_index(blocks[k / rays].binade, k % rays, 0);
+        const std::size_t tally_index = request.tally_index(blocks[k / ray_count].binade, k % ray_count, 0);
         for (std::size_t form_index = 0; form_index < rows; ++form_index)
             state.tallies[tally_index + form_index].append(block_tallies[k][form_index]);
         state.stages += stages[k];

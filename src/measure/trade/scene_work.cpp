@@ -44,7 +44,7 @@ std::vector<int> first_equal_indices(const std::vector<Primitive<double>>& primi
     return first_indices;
 }
 
-std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hits, std::size_t primitives) {
+std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hits, std::size_t primitive_count) {
     std::vector<std::pair<std::size_t, int>> order;
     for (const auto& [primitive, count] : hits) order.emplace_back(count, primitive);
     std::ranges::sort(order, [](const auto& a, const auto& b) {
@@ -53,7 +53,7 @@ std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hi
     std::vector<std::size_t> chosen;
     for (const auto& [count, primitive] : order) chosen.push_back(static_cast<std::size_t>(primitive));
     if (chosen.empty()) {
-        chosen.resize(primitives);
+        chosen.resize(primitive_count);
         std::iota(chosen.begin(), chosen.end(), std::size_t{0});
     }
     if (chosen.size() > max_timed_primitives) chosen.resize(max_timed_primitives);
@@ -95,12 +95,12 @@ SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limi
     choose_primitives(first_equal_indices(sample.primitives), sample.primitives.size());
 }
 
-void SceneWork::choose_primitives(const std::vector<int>& first_equal, std::size_t primitives) {
+void SceneWork::choose_primitives(const std::vector<int>& first_equal, std::size_t primitive_count) {
     const auto hits = count_hits(band_, first_equal);
     std::size_t hit_count = 0;
     for (const auto& [primitive, count] : hits) hit_count += count;
     hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(rays_);
-    primitives_ = primitives_to_time(hits, primitives);
+    primitives_ = primitives_to_time(hits, primitive_count);
 }
 
 std::size_t SceneWork::bytes(const Format& format) const {

@@ -37,7 +37,7 @@ public:
     TimedWork work_for(const evaluate::TestedForm& tested_form, const intersect::simd::PackedFormKernels& kernels);
 
 private:
-    void choose_primitives(const std::vector<int>& first_equal, std::size_t primitives);
+    void choose_primitives(const std::vector<int>& first_equal, std::size_t primitive_count);
 
     template <class S>
     struct Store;

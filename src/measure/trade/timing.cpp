@@ -22,9 +22,9 @@ void compiler_barrier() { asm volatile("" ::: "memory"); }
 
 using Clock = std::chrono::steady_clock;
 
-double measure_seconds(const TimedWork& work, std::uint64_t passes) {
+double measure_seconds(const TimedWork& work, std::uint64_t pass_count) {
     const auto begin = Clock::now();
-    for (std::uint64_t i = 0; i < passes; ++i) {
+    for (std::uint64_t i = 0; i < pass_count; ++i) {
         work.pass();
         compiler_barrier();
     }
@@ -34,11 +34,11 @@ double measure_seconds(const TimedWork& work, std::uint64_t passes) {
 /// Returns the number of passes that last `min_seconds` seconds, found by doubling.
 std::uint64_t find_passes(const TimedWork& work, double min_seconds) {
     work.pass();
-    for (std::uint64_t passes = 1;; passes *= 2) {
-        const double seconds = measure_seconds(work, passes);
+    for (std::uint64_t pass_count = 1;; pass_count *= 2) {
+        const double seconds = measure_seconds(work, pass_count);
         if (seconds < min_seconds / 4) continue;
         return std::max<std::uint64_t>(
-            1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(passes) * min_seconds / seconds)));
+            1, static_cast<std::uint64_t>(std::ceil(static_cast<double>(pass_count) * min_seconds / seconds)));
     }
 }
 

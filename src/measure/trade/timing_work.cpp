@@ -103,14 +103,14 @@ template class RayStore<double>;
 template <class S>
 BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1), S(-0.25), S(0.125)}} {
     constexpr std::size_t cache_line = 64, stagger = 5 * cache_line, numbers_per_box = 7;
-    const std::size_t boxes = std::max<std::size_t>(1, bytes / (numbers_per_box * sizeof(S)) / 64) * 64,
-                      column = boxes * sizeof(S) + stagger;
+    const std::size_t box_count = std::max<std::size_t>(1, bytes / (numbers_per_box * sizeof(S)) / 64) * 64,
+                      column = box_count * sizeof(S) + stagger;
     memory_.resize(numbers_per_box * column + cache_line);
     void* start = memory_.data();
     std::size_t space = memory_.size();
     std::align(cache_line, numbers_per_box * column, start, space);
     const auto span_of = [&](std::size_t c) {
-        return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), boxes);
+        return std::span<S>(reinterpret_cast<S*>(static_cast<std::byte*>(start) + c * column), box_count);
     };
 
     // Random boxes around the ray
@@ -119,7 +119,7 @@ BoxField<S>::BoxField(std::size_t bytes) : ray{{S(-3), S(0.1F), S(0.2F)}, {S(1),
     for (std::size_t axis = 0; axis < 3; ++axis) {
         columns[axis] = span_of(axis);
         columns[axis + 3] = span_of(axis + 3);
-        for (std::size_t i = 0; i < boxes; ++i) {
+        for (std::size_t i = 0; i < box_count; ++i) {
             columns[axis][i] = position(engine);
             columns[axis + 3][i] = columns[axis][i] + S(side(engine));
         }

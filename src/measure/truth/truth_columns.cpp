@@ -187,13 +187,13 @@ void find_truth_columns(const ProblemColumns<double>& problems, const TruthOptio
     find_columns(problems, options, out);
 }
 
-void RayTruths::resize(std::size_t rays) {
-    decision.assign(rays, Truth::Decision::miss);
-    primitive.assign(rays, -1);
-    touches.assign(rays, 0);
-    on_surface.assign(rays, 0);
+void RayTruths::resize(std::size_t ray_count) {
+    decision.assign(ray_count, Truth::Decision::miss);
+    primitive.assign(ray_count, -1);
+    touches.assign(ray_count, 0);
+    on_surface.assign(ray_count, 0);
     for (auto* length : {&t, &distance})
-        for (auto* column : {&length->hi, &length->lo, &length->bound}) column->assign(rays, 0);
+        for (auto* column : {&length->hi, &length->lo, &length->bound}) column->assign(ray_count, 0);
 }
 
 Truth RayTruths::operator[](std::size_t i) const {

@@ -118,7 +118,7 @@ public:
     /// proved. Their `t.hi` is NaN.
     std::vector<std::pair<std::size_t, Truth>> complete_truths;
 
-    void resize(std::size_t rays);
+    void resize(std::size_t ray_count);
     [[nodiscard]] std::size_t size() const { return decision.size(); }
     /// Truth of ray i, rebuilt from the columns. Read the columns if they are enough. Its `proof_bits` are at least
     /// 106.

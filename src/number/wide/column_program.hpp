@@ -90,10 +90,10 @@ inline constexpr std::size_t column_count_of(ColumnOperation operation) {
 /// Returns the largest subset of the exact operands for which a kernel exists. For two operands every subset has a
 /// kernel. For three operands there are kernels for none exact and for all exact. A cross or dot product has two more:
 /// for exact first factors and for exact second factors, since rays and primitives as given are exact.
-inline constexpr unsigned exact_operands_with_kernel(unsigned exact, std::size_t operands) {
-    const unsigned all = (1U << operands) - 1, first_factors = 0b010101U & all, second_factors = 0b101010U & all;
-    if (operands <= 2 || exact == all) return exact;
-    if (operands == 3) return 0;
+inline constexpr unsigned exact_operands_with_kernel(unsigned exact, std::size_t operand_count) {
+    const unsigned all = (1U << operand_count) - 1, first_factors = 0b010101U & all, second_factors = 0b101010U & all;
+    if (operand_count <= 2 || exact == all) return exact;
+    if (operand_count == 3) return 0;
     return (exact & first_factors) == first_factors     ? first_factors
            : (exact & second_factors) == second_factors ? second_factors
                                                         : 0;

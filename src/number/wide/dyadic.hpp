@@ -148,12 +148,12 @@ private:
     /// Removes zeros at either end, so that products stay short.
     void trim() {
         while (size_ > 0 && limbs_[size_ - 1] == 0) --size_;
-        int zeros = 0;
-        while (zeros < size_ && limbs_[zeros] == 0) ++zeros;
-        if (zeros == 0) return;
-        for (int i = zeros; i < size_; ++i) limbs_[i - zeros] = limbs_[i];
-        first_ += zeros;
-        size_ -= zeros;
+        int zero_count = 0;
+        while (zero_count < size_ && limbs_[zero_count] == 0) ++zero_count;
+        if (zero_count == 0) return;
+        for (int i = zero_count; i < size_; ++i) limbs_[i - zero_count] = limbs_[i];
+        first_ += zero_count;
+        size_ -= zero_count;
     }
 
     std::uint32_t limbs_[max_limbs];

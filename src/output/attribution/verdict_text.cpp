@@ -130,8 +130,8 @@ std::string size_phrase(double explanation) {
 /// Sentence on an answer that a march gave or did not reach.
 std::string march_sentence(const Explanation& explanation, const MarchEnd& march) {
     const auto& [log, constants] = march;
-    const std::size_t samples = log.steps.size();
-    const double d = samples > 0 ? log.steps.back().d : NAN;
+    const std::size_t sample_count = log.steps.size();
+    const double d = sample_count > 0 ? log.steps.back().d : NAN;
 
     // A hit beside the surface.
     if (explanation.result.outcome == Outcome::agree_hit) {
@@ -139,7 +139,7 @@ std::string march_sentence(const Explanation& explanation, const MarchEnd& march
         return fmt::format(
             "The march ended at sample {} of at most {}, where the field is {}: {} {} the surface. This is intended "
             "({}) and not due to rounding.",
-            samples, constants.max_steps, size_phrase(d), size_phrase(std::fabs(t_error)),
+            sample_count, constants.max_steps, size_phrase(d), size_phrase(std::fabs(t_error)),
             t_error < 0 ? "short of" : "behind", explanation.form->info->title);
     }
 

@@ -76,9 +76,10 @@ std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimRes
 
 /// Option of `lostbits check` that made the draws: ` --seeds 3`.
 std::string draws_option(const std::vector<ClaimResult>& results) {
-    std::size_t further_draws = 0;
-    for (const ClaimResult& result : results) further_draws = std::max(further_draws, result.further_measured.size());
-    return further_draws == 0 ? "" : fmt::format(" --seeds {}", further_draws);
+    std::size_t further_draw_count = 0;
+    for (const ClaimResult& result : results)
+        further_draw_count = std::max(further_draw_count, result.further_measured.size());
+    return further_draw_count == 0 ? "" : fmt::format(" --seeds {}", further_draw_count);
 }
 
 std::string claim_row_text(const Claim& claim, const ClaimResult& result) {

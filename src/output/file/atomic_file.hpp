@@ -124,6 +124,6 @@ std::atomic<char*>* register_partial_file(const std::string& partial);
 /// file).
 bool unregister_partial_file(std::atomic<char*>* slot) noexcept;
 /// True if this process is writing a file whose name is `prefix` and then this number of letters.
-bool is_being_written(const std::string& prefix, std::size_t letters);
+bool is_being_written(const std::string& prefix, std::size_t letter_count);
 
 }  // namespace lostbits::output::file

@@ -72,21 +72,22 @@ inline void require_memory(std::uint64_t bytes, const std::string& subject, cons
 
 /// Throws EnvironmentError if this process may not open `files` more files, or lacks the memory for their buffers: 256
 /// KiB each, and a little more. A few files are reserved for libraries.
-inline void require_open_files(std::uint64_t files, const std::string& subject, const std::string& remedy) {
-    constexpr std::uint64_t reserved_files = 16, bytes_per_file = 288 * 1024;
+inline void require_open_files(std::uint64_t file_count, const std::string& subject, const std::string& remedy) {
+    constexpr std::uint64_t reserved_file_count = 16, bytes_per_file = 288 * 1024;
     std::error_code error;
-    std::uint64_t open_files = 0;
+    std::uint64_t open_file_count = 0;
     for (auto entry = std::filesystem::directory_iterator("/proc/self/fd", error);
          entry != std::filesystem::directory_iterator(); entry.increment(error))
-        ++open_files;
+        ++open_file_count;
 
     rlimit limit{};
     if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
-        files + open_files + reserved_files > limit.rlim_cur)
-        throw EnvironmentError(subject + ": writes " + std::to_string(files) +
+        file_count + open_file_count + reserved_file_count > limit.rlim_cur)
+        throw EnvironmentError(subject + ": writes " + std::to_string(file_count) +
                                " files at once, but this machine allows a process only " +
                                std::to_string(limit.rlim_cur) + " open files (`ulimit -n`); " + remedy);
-    require_memory(files * bytes_per_file, subject + ": writes " + std::to_string(files) + " files at once", remedy);
+    require_memory(file_count * bytes_per_file, subject + ": writes " + std::to_string(file_count) + " files at once",
+                   remedy);
 }
 
 }  // namespace lostbits::output::file

@@ -45,11 +45,11 @@ std::string short_decimal(double value, int digits) {
     return factor == "1" ? power : factor == "-1" ? "-" + power : factor + "×" + power;
 }
 
-std::string kept_bits_text(double bits, int decimals) {
+std::string kept_bits_text(double bits, int decimal_count) {
     if (!std::isfinite(bits)) return decimal(bits);
     char text[400];
-    const double unit = std::pow(10, decimals), rounded_down = std::floor((bits + 1e-9) * unit) / unit;
-    return {text, std::to_chars(text, text + sizeof text, rounded_down, std::chars_format::fixed, decimals).ptr};
+    const double unit = std::pow(10, decimal_count), rounded_down = std::floor((bits + 1e-9) * unit) / unit;
+    return {text, std::to_chars(text, text + sizeof text, rounded_down, std::chars_format::fixed, decimal_count).ptr};
 }
 
 std::string hex(double value) {
@@ -83,8 +83,8 @@ double nearest_double(std::string_view digits, long exponent) {
     const std::string text = std::string(digits) + "e" + std::to_string(exponent);
     double x = 0;
     if (std::from_chars(text.data(), text.data() + text.size(), x).ec == std::errc{}) return x;
-    const std::size_t zeros = std::min(digits.find_first_not_of('0'), digits.size());
-    const bool overflows = zeros < digits.size() && static_cast<long>(digits.size() - zeros) + exponent > 0;
+    const std::size_t zero_count = std::min(digits.find_first_not_of('0'), digits.size());
+    const bool overflows = zero_count < digits.size() && static_cast<long>(digits.size() - zero_count) + exponent > 0;
     return overflows ? std::numeric_limits<double>::infinity() : 0;
 }
 

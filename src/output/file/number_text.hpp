@@ -20,7 +20,7 @@ namespace lostbits::output::file {
 
 /// Bits that are kept, rounded down, so that the text does not claim more than was measured: `21.9` for 21.97. A
 /// shortfall of 1e-9 counts as the rounding of a subtraction.
-[[nodiscard]] std::string kept_bits_text(double bits, int decimals = 1);
+[[nodiscard]] std::string kept_bits_text(double bits, int decimal_count = 1);
 
 /// The exact value as a C hexadecimal float: `0x1.8p+1`, `-0x0p+0`; `nan`, `inf`, `-inf`. A float converts to
 /// double exactly, so one function serves both.

@@ -96,12 +96,12 @@ bool unregister_partial_file(std::atomic<char*>* slot) noexcept {
     return name != nullptr;
 }
 
-bool is_being_written(const std::string& prefix, std::size_t letters) {
+bool is_being_written(const std::string& prefix, std::size_t letter_count) {
     const std::lock_guard lock(names_mutex);
     return any_slot([&](const std::atomic<char*>& slot) {
         const char* const name = slot.load();
         return name != nullptr && std::strncmp(name, prefix.c_str(), prefix.size()) == 0 &&
-               std::strlen(name) == prefix.size() + letters;
+               std::strlen(name) == prefix.size() + letter_count;
     });
 }
 

@@ -357,9 +357,9 @@ Legend::Legend(std::span<const LegendEntry> widest, int width) : width_(width), 
 
     const int count = static_cast<int>(widest.size());
     columns_ = std::clamp((width + column_gap) / (column_width_ + column_gap), 1, count);
-    const int rows = (count + columns_ - 1) / columns_;
-    columns_ = (count + rows - 1) / rows;  // rows of equal length: 3 + 3 entries rather than 5 + 1
-    height_ = rows * (style::line_height(style::text_size) + 4);
+    const int row_count = (count + columns_ - 1) / columns_;
+    columns_ = (count + row_count - 1) / row_count;  // rows of equal length: 3 + 3 entries rather than 5 + 1
+    height_ = row_count * (style::line_height(style::text_size) + 4);
 }
 
 Canvas Legend::draw(std::span<const LegendEntry> entries) const {

@@ -51,9 +51,9 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     cell_width_ = std::max(thumb_width_ + 2, min_cell_width);
 
     // Make blocks even: 22 forms are 6 + 6 + 6 + 4 rather than 7 + 7 + 7 + 1.
-    const std::size_t blocks = (spec_.forms.size() + max_columns - 1) / max_columns;
-    columns_ = static_cast<int>(spec_.collapses && blocks > 1 ? first_block_forms
-                                                              : (spec_.forms.size() + blocks - 1) / blocks);
+    const std::size_t block_count = (spec_.forms.size() + max_columns - 1) / max_columns;
+    columns_ = static_cast<int>(
+        spec_.collapses && block_count > 1 ? first_block_forms : (spec_.forms.size() + block_count - 1) / block_count);
 
     // Sizes of a cell, a line and a block of the grid.
     for (const auto& format : spec_.formats) {
@@ -196,15 +196,15 @@ std::vector<TextBitmap> ContactSheet::wrapped_note(std::string_view note) const 
 }
 
 int ContactSheet::canvas_height(std::size_t columns, const Legend& legend) const {
-    const int blocks = (static_cast<int>(columns) + columns_ - 1) / columns_,
-              grid = blocks * (block_height_ + block_gap) - block_gap,
+    const int block_count = (static_cast<int>(columns) + columns_ - 1) / columns_,
+              grid = block_count * (block_height_ + block_gap) - block_gap,
               bar = bars_.size() == 1 ? bars_.front().height() : 0;
     return block_y(0) + (has_selection_block_ ? part_line : 0) + std::max(grid, bar) + legend.height() + style::margin;
 }
 
 int ContactSheet::block_y(int block) const {
-    const int lines = has_selection_block_ ? std::min(block + 1, 2) * part_line : 0;
-    return style::margin + heading_.height() + style::gap + lines + block * (block_height_ + block_gap);
+    const int line_count = has_selection_block_ ? std::min(block + 1, 2) * part_line : 0;
+    return style::margin + heading_.height() + style::gap + line_count + block * (block_height_ + block_gap);
 }
 
 bool ContactSheet::look_alike(std::size_t form_a, std::size_t form_b) const {

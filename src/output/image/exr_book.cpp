@@ -195,16 +195,16 @@ void ExrBook::write_header() {
     }
 }
 
-void ExrBook::write_rows(std::size_t part, int y_begin, int rows, std::span<const std::byte> pixels) {
+void ExrBook::write_rows(std::size_t part, int y_begin, int row_count, std::span<const std::byte> pixels) {
     PartState& state = part_states_.at(part);
     const ExrSpec& spec = state.part.spec;
     const auto width = static_cast<std::size_t>(spec.width);
     const std::size_t pixel_bytes = spec.channels.size() * sample_bytes;
-    if (y_begin != state.received_lines || rows < 0 || rows > spec.height - state.received_lines ||
-        pixels.size() != static_cast<std::size_t>(rows) * width * pixel_bytes)
+    if (y_begin != state.received_lines || row_count < 0 || row_count > spec.height - state.received_lines ||
+        pixels.size() != static_cast<std::size_t>(row_count) * width * pixel_bytes)
         throw std::logic_error(path_ + ": rows of part " + state.part.name + " out of order or of another size");
 
-    for (int y = 0; y < rows; ++y, pixels = pixels.subspan(width * pixel_bytes)) {
+    for (int y = 0; y < row_count; ++y, pixels = pixels.subspan(width * pixel_bytes)) {
         for (const std::size_t c : state.channels) {
             const std::size_t start = state.block.size();
             state.block.resize(start + width * sample_bytes);

@@ -52,7 +52,7 @@ public:
     /// of four bytes in native byte order. The channels of a pixel lie side by side, in the order of the spec.
     /// Different parts may be written concurrently. Throws EnvironmentError (a full disk), and std::logic_error for
     /// rows out of order or a wrong size.
-    void write_rows(std::size_t part, int y_begin, int rows, std::span<const std::byte> pixels);
+    void write_rows(std::size_t part, int y_begin, int row_count, std::span<const std::byte> pixels);
 
     /// Gives the file its final name. Throws EnvironmentError, and std::logic_error if rows are missing.
     void close();

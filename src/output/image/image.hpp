@@ -54,7 +54,7 @@ public:
 
     /// Writes the next `rows` rows. Throws EnvironmentError (a full disk), and std::logic_error for too many rows or a
     /// wrong size.
-    virtual void write_rows(int rows, std::span<const Rgb8> pixels) = 0;
+    virtual void write_rows(int row_count, std::span<const Rgb8> pixels) = 0;
 
     /// Gives the file its final name. Throws EnvironmentError, and std::logic_error if rows are missing.
     virtual void close() = 0;

@@ -125,17 +125,17 @@ public:
     OiioPng(const OiioPng&) = delete;
     OiioPng& operator=(const OiioPng&) = delete;
 
-    void write_rows(int rows, std::span<const Rgb8> pixels) override {
+    void write_rows(int row_count, std::span<const Rgb8> pixels) override {
         const FloatingPointGuard guard;
         if (!out_) throw std::logic_error(path_ + ": rows after close");
-        if (rows < 0 || rows > height_ - next_row_ ||
-            pixels.size() != static_cast<std::size_t>(width_) * static_cast<std::size_t>(rows))
+        if (row_count < 0 || row_count > height_ - next_row_ ||
+            pixels.size() != static_cast<std::size_t>(width_) * static_cast<std::size_t>(row_count))
             throw std::logic_error(path_ + ": " + std::to_string(pixels.size()) + " pixels for " +
-                                   std::to_string(rows) + " rows of " + std::to_string(width_) + ", and " +
+                                   std::to_string(row_count) + " rows of " + std::to_string(width_) + ", and " +
                                    std::to_string(height_ - next_row_) + " rows are missing");
-        if (rows == 0) return;
-        check(out_->write_scanlines(next_row_, next_row_ + rows, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
-        next_row_ += rows;
+        if (row_count == 0) return;
+        check(out_->write_scanlines(next_row_, next_row_ + row_count, 0, OIIO::TypeDesc::UNKNOWN, pixels.data()));
+        next_row_ += row_count;
     }
 
     void close() override {

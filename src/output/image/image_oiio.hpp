@@ -42,7 +42,8 @@ struct ClaimedPixels {
 
 /// Refuses a header that claims more pixels than the file can hold (InputError) or this machine can hold
 /// (EnvironmentError), before anything is allocated. `copies` of the pixels are in memory at a time.
-inline void require_pixel_memory(const std::filesystem::path& path, const ClaimedPixels& pixels, std::uint64_t copies) {
+inline void require_pixel_memory(const std::filesystem::path& path, const ClaimedPixels& pixels,
+                                 std::uint64_t copy_count) {
     const std::uint64_t bytes = saturating_product(saturating_product(pixels.width, pixels.height), pixels.bytes_each);
     std::error_code error;
     const std::uint64_t file_bytes = std::filesystem::file_size(path, error), max_growth = pixels.max_growth;
@@ -52,7 +53,7 @@ inline void require_pixel_memory(const std::filesystem::path& path, const Claime
     if (!error && max_growth > 0 && bytes / max_growth > file_bytes)
         throw InputError(claim_text + ", which no file of " + file::bytes_text(file_bytes) +
                          " can hold; give one that is complete");
-    file::require_memory(saturating_product(bytes, copies), claim_text,
+    file::require_memory(saturating_product(bytes, copy_count), claim_text,
                          "compare smaller pictures, or on a larger machine");
 }
 

@@ -119,7 +119,7 @@ private:
 
     /// Short summaries: of culprits, of categories, of numbers that not only hits have, and of errors of hits.
     [[nodiscard]] std::string culprit_summary(const std::vector<std::uint64_t>& counts) const;
-    [[nodiscard]] std::string category_summary(const std::vector<std::uint64_t>& counts, std::uint64_t rays) const;
+    [[nodiscard]] std::string category_summary(const std::vector<std::uint64_t>& counts, std::uint64_t ray_count) const;
     [[nodiscard]] std::string distribution_summary(const measure::metric::Distribution& distribution) const;
     [[nodiscard]] std::string hit_summary(const FormSummary& summary,
                                           const measure::metric::Distribution& distribution) const;

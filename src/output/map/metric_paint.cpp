@@ -38,8 +38,8 @@ constexpr std::size_t max_culprits = 6;              ///< culprits that a legend
 constexpr std::size_t max_culprit_letters = 44;      ///< letters of a culprit in a legend
 constexpr std::size_t summary_culprit_letters = 48;  ///< letters of a culprit in a short summary
 
-std::string shorten(std::string_view text, std::size_t letters) {
-    return text.size() <= letters ? std::string(text) : std::string(text.substr(0, letters - 2)) + "..";
+std::string shorten(std::string_view text, std::size_t letter_count) {
+    return text.size() <= letter_count ? std::string(text) : std::string(text.substr(0, letter_count - 2)) + "..";
 }
 
 constexpr std::size_t two_line_letters = 50;  ///< letters that two lines below a cell of a sheet can hold
@@ -169,24 +169,24 @@ std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels
 std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& category_counts) const {
     const pixel::CategoryCounts counts(category_counts.begin(),
                                        category_counts.begin() + static_cast<std::ptrdiff_t>(value_category_count_));
-    const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(counts);
+    const std::uint64_t blamed_ray_count = measure::attribution::rays_with_culprit(counts);
 
     // The most frequent culprits have an entry each; the others are counted together.
     std::vector<LegendEntry> entries;
-    std::uint64_t other_rays = 0;
+    std::uint64_t other_ray_count = 0;
     for (const std::size_t c : culprits_by_count(counts)) {
         if (entries.size() < max_culprits)
             entries.push_back({shorten(metric_->categories[c], max_culprit_letters), category_colour(*metric_, c),
-                               pixel::count_text(counts[c], blamed_rays)});
-        else other_rays += counts[c];
+                               pixel::count_text(counts[c], blamed_ray_count)});
+        else other_ray_count += counts[c];
     }
 
     if (counts.front() > 0)
         entries.push_back({shorten(metric_->categories.front(), max_culprit_letters), no_culprit_colour,
                            std::to_string(counts.front())});
-    if (other_rays > 0)
+    if (other_ray_count > 0)
         entries.push_back({"other operations, each in its own colour", image::style::background,
-                           pixel::count_text(other_rays, blamed_rays)});
+                           pixel::count_text(other_ray_count, blamed_ray_count)});
 
     // Rays with these outcomes have no culprit; all others may have one.
     for (const Outcome o : {Outcome::agree_miss, Outcome::not_a_number, Outcome::unresolved}) {
@@ -237,16 +237,16 @@ std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t m
 std::string MetricPaint::culprit_summary(const std::vector<std::uint64_t>& counts) const {
     const auto order = culprits_by_count(counts);
     if (order.empty()) return "no culprit";
-    const std::uint64_t blamed_rays = measure::attribution::rays_with_culprit(counts);
-    return fmt::format("{} of {} culprits:\n{}", percent(counts[order.front()], blamed_rays), blamed_rays,
+    const std::uint64_t blamed_ray_count = measure::attribution::rays_with_culprit(counts);
+    return fmt::format("{} of {} culprits:\n{}", percent(counts[order.front()], blamed_ray_count), blamed_ray_count,
                        shorten(metric_->categories[order.front()], summary_culprit_letters));
 }
 
-std::string MetricPaint::category_summary(const std::vector<std::uint64_t>& counts, std::uint64_t rays) const {
+std::string MetricPaint::category_summary(const std::vector<std::uint64_t>& counts, std::uint64_t ray_count) const {
     std::vector<std::string> fractions;
     for (std::size_t c = 0; c < metric_->categories.size(); ++c) {
         if (const std::uint64_t n = counts[c])
-            fractions.push_back(percent(n, rays) + " " + name_in_words(metric_->categories[c]));
+            fractions.push_back(percent(n, ray_count) + " " + name_in_words(metric_->categories[c]));
     }
     return fmt::format("{}", fmt::join(fractions, "\n"));
 }

@@ -203,8 +203,8 @@ std::vector<double> cell_edges(const AxisSpec& axis, const std::vector<double>& 
 }
 
 /// Extent of the field in pixels: a whole number of pixels per cell if cells are few.
-int field_extent(std::size_t cells, int least) {
-    const int n = static_cast<int>(cells);
+int field_extent(std::size_t cell_count, int least) {
+    const int n = static_cast<int>(cell_count);
     return n >= least ? n : (least + n - 1) / n * n;
 }
 

@@ -23,12 +23,12 @@ struct LookRanges {
     LookRanges() {
         std::map<Shape, std::size_t> counts;
         for (const auto& known : intersect::table::catalogue()) ++counts[known.shape];
-        std::size_t marches = 0;
+        std::size_t march_count = 0;
         for (const auto& [shape, count] : counts) {
-            std::size_t& most = is_primitive(shape) ? first_march : marches;
+            std::size_t& most = is_primitive(shape) ? first_march : march_count;
             most = std::max(most, count);
         }
-        first_free = first_march + marches;
+        first_free = first_march + march_count;
         if (first_free >= look_count)
             throw std::logic_error(
                 "the forms of the catalogue use all colours and markers, and forms from outside need some too; add "
@@ -56,16 +56,16 @@ std::size_t form_look(const intersect::table::Intersector& form) {
     }
 
     // A form from outside has the free look of its hash, or the next one that no earlier form from outside has.
-    const std::size_t free_looks = look_count - ranges.first_free;
+    const std::size_t free_look_count = look_count - ranges.first_free;
     std::set<std::size_t> used_looks;
     for (const auto& outside_form : forms.subspan(catalogue_forms.size())) {
-        std::size_t free_look = hash_of(outside_form.info->name) % free_looks;
-        while (used_looks.contains(free_look) && used_looks.size() < free_looks)
-            free_look = (free_look + 1) % free_looks;
+        std::size_t free_look = hash_of(outside_form.info->name) % free_look_count;
+        while (used_looks.contains(free_look) && used_looks.size() < free_look_count)
+            free_look = (free_look + 1) % free_look_count;
         used_looks.insert(free_look);
         if (outside_form.info == form.info) return ranges.first_free + free_look;
     }
-    return ranges.first_free + hash_of(form.info->name) % free_looks;
+    return ranges.first_free + hash_of(form.info->name) % free_look_count;
 }
 
 }  // namespace lostbits::output::plot

@@ -79,7 +79,8 @@ public:
 
         // If all dashes of the look are taken, the next look with free dashes is used.
         int pattern = series.is_dashed ? 1 : 0;
-        for (std::size_t attempts = 0; !find_free_pattern(look, pattern) && attempts < look_count; ++attempts)
+        for (std::size_t attempt_count = 0; !find_free_pattern(look, pattern) && attempt_count < look_count;
+             ++attempt_count)
             look = (look + 1) % look_count;
         used_patterns_[look].insert(pattern);
 

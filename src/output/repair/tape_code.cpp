@@ -155,16 +155,16 @@ void TapeCode::choose_inlined() {
     std::vector<std::size_t> length;
     for (NodeId i = 0; i < tape_.size(); ++i) {
         const TapeNode& n = tape_[i];
-        std::size_t characters = is_given(n.op) ? std::max(name(i).size(), std::size_t{4}) : 0;
+        std::size_t character_count = is_given(n.op) ? std::max(name(i).size(), std::size_t{4}) : 0;
         for (const NodeId operand : n.operands) {
             if (is_given(n.op) || operand == no_node) continue;
-            characters += length[operand] + (n.op == TapeOp::convert ? 0 : 3);
+            character_count += length[operand] + (n.op == TapeOp::convert ? 0 : 3);
         }
         const bool needs_no_statement = is_given(n.op) || n.op == TapeOp::convert;
-        const bool fits_inside = n.label.empty() && characters <= max_inlined_characters && count_uses(i) == 1 &&
+        const bool fits_inside = n.label.empty() && character_count <= max_inlined_characters && count_uses(i) == 1 &&
                                  input_difference_name(n).empty();
         is_inlined_.push_back(needs_no_statement || fits_inside);
-        length.push_back(is_inlined_.back() ? characters : name(i).size());
+        length.push_back(is_inlined_.back() ? character_count : name(i).size());
     }
 }
 

@@ -23,18 +23,18 @@ namespace {
 /// `{"form":…,"format":…,"values":[statistic][cell],"outcomes":[cell][outcome],"true_hits":[cell]}`.
 /// `summary_at(cell)` is the result of the row in that cell.
 Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vector<const Metric*>& metrics,
-              std::size_t cells, const auto& summary_at) {
+              std::size_t cell_count, const auto& summary_at) {
     const auto columns = measure::evaluate::summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
 
     for (const std::string_view name : sweep_statistics) {
         const measure::evaluate::SummaryColumn* const column = measure::evaluate::find_column(columns, name);
         Json& column_values = values.emplace_back(Json::array());
-        for (std::size_t c = 0; c < cells; ++c)
+        for (std::size_t c = 0; c < cell_count; ++c)
             column_values.push_back(number_json(column ? column->value(summary_at(c)) : measure::truth::missing));
     }
 
-    for (std::size_t c = 0; c < cells; ++c) {
+    for (std::size_t c = 0; c < cell_count; ++c) {
         outcomes.push_back(summary_at(c).outcomes);
         true_hits.push_back(summary_at(c).true_hits);
     }
@@ -50,12 +50,14 @@ Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vecto
 
 /// Adds the statistics and the rows of a sweep. `summary_at(r, cell)` is the result of row r in a cell.
 /// `add_details(json, r)` adds the other members of row r.
-Json with_rows(Json json, const auto& request, std::size_t cells, const auto& summary_at, const auto& add_details) {
+Json with_rows(Json json, const auto& request, std::size_t cell_count, const auto& summary_at,
+               const auto& add_details) {
     json["statistics"] = sweep_statistics;
     Json& rows = json["rows"] = Json::array();
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const auto row_summary_at = [&](std::size_t cell) -> const FormSummary& { return summary_at(r, cell); };
-        add_details(rows.emplace_back(row_json(request.tested_forms[r], request.metrics, cells, row_summary_at)), r);
+        add_details(rows.emplace_back(row_json(request.tested_forms[r], request.metrics, cell_count, row_summary_at)),
+                    r);
     }
     return json;
 }

@@ -213,15 +213,16 @@ std::string rays_text(const TradeRequest& request, const TradeResult& result, st
     const std::string repetition_text =
         fmt::format("median of {}, bars from quartile to quartile.",
                     text::count_with_noun(request.plan.repetitions, "interleaved repetition"));
-    const std::uint64_t judged_rays = result.accuracy(set_index, 0).rays;
+    const std::uint64_t judged_ray_count = result.accuracy(set_index, 0).rays;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
-                           text::count_with_noun(judged_rays, "ray"), timed.rays, timed.primitives, repetition_text);
+                           text::count_with_noun(judged_ray_count, "ray"), timed.rays, timed.primitives,
+                           repetition_text);
     const auto sets = measure::trade::trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
         "the L1 cache, every other ray a hit; {}",
-        judged_rays, sets[set_index].name, set_index == 0 ? "" : ", the same in the pictures of all sets",
+        judged_ray_count, sets[set_index].name, set_index == 0 ? "" : ", the same in the pictures of all sets",
         sets.front().name, static_cast<double>(timed.bytes) / 1024, repetition_text);
 }
 

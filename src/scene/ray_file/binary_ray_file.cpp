@@ -39,17 +39,17 @@ BinaryRayFile::BinaryRayFile(const std::filesystem::path& path, const ReadOption
 
     // Faults that the size of the file shows are reported before the work.
     const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), record_layout_.begin);
-    const std::uint64_t whole_records = bytes / record_layout_.record_size;
-    if (records_ ? whole_records < *records_ : bytes % record_layout_.record_size != 0)
-        fail_short(whole_records,
-                   bytes - (record_layout_.is_column_major ? 0 : whole_records * record_layout_.record_size));
+    const std::uint64_t whole_record_count = bytes / record_layout_.record_size;
+    if (records_ ? whole_record_count < *records_ : bytes % record_layout_.record_size != 0)
+        fail_short(whole_record_count,
+                   bytes - (record_layout_.is_column_major ? 0 : whole_record_count * record_layout_.record_size));
     if (records_ && bytes > *records_ * record_layout_.record_size)
         throw InputError(fmt::format("{}: byte {}: the header promises {}, but {}; is it one array, written whole?",
                                      source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
                                      text::count_with_noun(*records_, "record"),
                                      text::count_with_noun(bytes - *records_ * record_layout_.record_size,
                                                            "more byte follows", "more bytes follow")));
-    if (!records_) records_ = whole_records;
+    if (!records_) records_ = whole_record_count;
 }
 
 void BinaryRayFile::fail_short(std::uint64_t record, std::uint64_t bytes) const {

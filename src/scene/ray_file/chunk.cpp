@@ -11,7 +11,7 @@
 
 namespace lostbits::scene::ray_file {
 
-ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std::size_t records, Chunk& chunk)
+ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std::size_t record_count, Chunk& chunk)
     : layout_(layout),
       settings_(settings),
       chunk_(chunk),
@@ -20,17 +20,17 @@ ChunkWriter::ChunkWriter(const Layout& layout, const ReadSettings& settings, std
       has_answers_(layout.has_first_hits()) {
     if (layout.has_matrix() && settings.transformed_primitive) shape_ = settings.transformed_primitive->shape;
     rays::RayBlock& rays = chunk.rays;
-    for (auto* column : rays.numbers()) column->reserve(records);
-    if (layout.has(slot::tmin)) rays.tmin.reserve(records);
-    if (layout.has(slot::tmax)) rays.tmax.reserve(records);
+    for (auto* column : rays.numbers()) column->reserve(record_count);
+    if (layout.has(slot::tmin)) rays.tmin.reserve(record_count);
+    if (layout.has(slot::tmax)) rays.tmax.reserve(record_count);
     rays.open_ends = settings.open_ends;
-    if (shape_) chunk.primitives.reserve(records);
+    if (shape_) chunk.primitives.reserve(record_count);
     if (has_answers_) {
-        chunk.t.reserve(records);
-        chunk.hit.reserve(records);
+        chunk.t.reserve(record_count);
+        chunk.hit.reserve(record_count);
     }
-    if (layout.has(slot::object)) chunk.object.reserve(records);
-    if (answers_ > AnswerKind::first_hit) chunk.counts.reserve(records);
+    if (layout.has(slot::object)) chunk.object.reserve(record_count);
+    if (answers_ > AnswerKind::first_hit) chunk.counts.reserve(record_count);
 }
 
 std::string ChunkWriter::slot_name(std::size_t slot) const {
@@ -43,12 +43,12 @@ void ChunkWriter::fail(const std::string& message_prefix, const std::string& why
 
 namespace {
 
-std::string index_advice(std::size_t primitives) {
-    if (primitives == 1) return "there is one primitive, number 0; write 0, or -1 or nothing if it was not hit";
+std::string index_advice(std::size_t primitive_count) {
+    if (primitive_count == 1) return "there is one primitive, number 0; write 0, or -1 or nothing if it was not hit";
     return fmt::format(
         "there are {} primitives, numbered from 0 to {} in the order of the scene; write the number of the one that "
         "was hit, or -1 or nothing if none was",
-        primitives, primitives - 1);
+        primitive_count, primitive_count - 1);
 }
 
 }  // namespace

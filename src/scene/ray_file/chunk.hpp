@@ -63,7 +63,7 @@ struct Chunk {
 /// Takes the numbers of one record after another, and checks that each record has a valid ray, primitive and answer.
 class ChunkWriter {
 public:
-    ChunkWriter(const Layout& layout, const ReadSettings& settings, std::size_t records, Chunk& chunk);
+    ChunkWriter(const Layout& layout, const ReadSettings& settings, std::size_t record_count, Chunk& chunk);
 
     /// Stores a number of this record, already rounded to the format; `is_representable` is false if rounding changed
     /// it. A number that is not stored is an empty cell.

@@ -29,8 +29,8 @@ public:
         if (at_end_) return false;
         cell_start_ = static_cast<std::size_t>(rest_.data() - line_);
         fault = nullptr;
-        const std::size_t blanks = std::min(rest_.find_first_not_of(" \t"), rest_.size());
-        if (blanks < rest_.size() && rest_[blanks] == '"') return next_quoted(blanks, cell, fault);
+        const std::size_t blank_count = std::min(rest_.find_first_not_of(" \t"), rest_.size());
+        if (blank_count < rest_.size() && rest_[blank_count] == '"') return next_quoted(blank_count, cell, fault);
         const std::size_t comma = std::min(rest_.find(','), rest_.size());
         cell = rest_.substr(0, comma);
         if (cell.find('"') != std::string_view::npos) fault = "a quote is inside a cell that does not begin with one";
@@ -41,9 +41,9 @@ public:
     [[nodiscard]] std::size_t cell_start() const { return cell_start_; }
 
 private:
-    bool next_quoted(std::size_t blanks, std::string_view& cell, const char*& fault) {
+    bool next_quoted(std::size_t blank_count, std::string_view& cell, const char*& fault) {
         text_.clear();
-        std::size_t position = blanks + 1;
+        std::size_t position = blank_count + 1;
         for (;; ++position) {
             if (position >= rest_.size()) {
                 fault = "a quote opens a cell and does not close it";

@@ -44,15 +44,15 @@ int significant_digits(std::string_view text) {
 /// from it by at least 10^-d.
 bool is_exactly(std::string_view text, double x) {
     const std::size_t end = std::min(text.find_first_of("eE"), text.size()), point = text.find('.');
-    int places = point < end ? static_cast<int>(end - point) - 1 : 0;
+    int place_count = point < end ? static_cast<int>(end - point) - 1 : 0;
     if (end < text.size()) {
         std::string_view exponent = text.substr(end + 1);
         if (exponent.starts_with('+')) exponent.remove_prefix(1);
         int power = 0;
         std::from_chars(exponent.data(), exponent.data() + exponent.size(), power);
-        places -= power;
+        place_count -= power;
     }
-    const double scaled = std::ldexp(x, std::max(places, 0));
+    const double scaled = std::ldexp(x, std::max(place_count, 0));
     return scaled == std::trunc(scaled);
 }
 

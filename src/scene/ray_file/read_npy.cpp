@@ -212,11 +212,12 @@ constexpr std::uint64_t max_record_bytes = std::uint64_t{1} << 20;
 /// on.
 void add_field(const NpyHeader::Field& field, const std::string& file, std::uint64_t& offset,
                std::vector<BinaryColumn>& columns) {
-    const auto advance_offset = [&](std::uint64_t size, std::uint64_t repeats) {
-        if (size > max_record_bytes || repeats > max_record_bytes || size * repeats > max_record_bytes - offset)
+    const auto advance_offset = [&](std::uint64_t size, std::uint64_t repeat_count) {
+        if (size > max_record_bytes || repeat_count > max_record_bytes ||
+            size * repeat_count > max_record_bytes - offset)
             throw InputError(fmt::format("{}: its records have more than {} bytes; write only the numbers of rays",
                                          file, max_record_bytes));
-        offset += size * repeats;
+        offset += size * repeat_count;
     };
     // Skips bytes between fields, which numpy writes as fields without a name.
     if (const bool is_padding = field.type.starts_with("|V"); is_padding) {

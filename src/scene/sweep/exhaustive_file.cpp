@@ -246,19 +246,19 @@ Primitive<float> ExhaustiveFile::primitive_at(float value) const {
 
 rays::RayGroup ExhaustiveFile::group_of_floats(std::size_t ray, const FloatRange& floats) const {
     const auto to_double = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
-    const std::size_t primitives = mesh ? 0 : primitive_indices.empty() ? 1 : floats.size();
+    const std::size_t primitive_count = mesh ? 0 : primitive_indices.empty() ? 1 : floats.size();
     rays::RayGroup group;
     for (std::uint64_t i = 0; i < floats.size(); ++i) {
         const float value = float_at(floats.at(i));
         const Ray<float> r = ray_at(ray, value);
         group.rays.push({to_double(r.origin), to_double(r.direction)});
-        if (i < primitives)
+        if (i < primitive_count)
             group.primitives.push_back(
                 convert_numbers(primitive_at(value), [](float x) { return static_cast<double>(x); }));
     }
     group.rays.mark_as_list();
     if (takes_tmax(primitive.shape)) group.rays.tmax.assign(floats.size(), static_cast<double>(rays[ray].tmax));
-    group.is_paired = primitives > 1;
+    group.is_paired = primitive_count > 1;
     group.mesh = mesh;
     return group;
 }

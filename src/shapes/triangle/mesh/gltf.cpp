@@ -161,9 +161,9 @@ private:
     }
 
     void add_mesh(const GltfValue& mesh) {
-        constexpr std::uint64_t triangles = 4;
+        constexpr std::uint64_t triangle_count = 4;
         for (const GltfValue& primitive : mesh.elements("primitives")) {
-            if (const std::uint64_t mode = primitive.unsigned_number("mode", triangles); mode != triangles)
+            if (const std::uint64_t mode = primitive.unsigned_number("mode", triangle_count); mode != triangle_count)
                 primitive.at("mode").fail(fmt::format("is {}; only 4, triangles, is supported", mode));
             if (primitive.has("extensions") && !primitive.at("extensions").json_value->empty())
                 primitive.at("extensions")
@@ -215,8 +215,8 @@ private:
         const GltfValue& accessor = element(index_value, "accessors", "accessor");
         const auto [entry, is_new] = vertices_.try_emplace(index_value.unsigned_number());
         if (!is_new) return entry->second;
-        constexpr std::uint64_t floats = 5126;
-        if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").unsigned_number() != floats)
+        constexpr std::uint64_t float_count = 5126;
+        if (accessor.at("type").text() != "VEC3" || accessor.at("componentType").unsigned_number() != float_count)
             accessor.fail("does not hold three floats for each vertex");
         const Elements elements = read_elements(accessor, 12);
         std::vector<Vec<double>>& vertices = parsed_mesh_.mesh.vertices;
@@ -270,10 +270,12 @@ private:
                   [&](std::size_t i) { return std::size_t{elements.at<T, 1>(i)[0]}; });
     }
     template <class IndexAt>
-    void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corners, const IndexAt& index_at) {
-        if (corners % 3 != 0) value.fail("has " + text::count_with_noun(corners, "corner") + "; three make a triangle");
-        require_within_limit(value, parsed_mesh_.mesh.faces.size(), corners / 3, "triangles");
-        for (std::size_t i = 0; i < corners; i += 3) {
+    void add_faces(const GltfValue& value, const Vertices& vertices, std::size_t corner_count,
+                   const IndexAt& index_at) {
+        if (corner_count % 3 != 0)
+            value.fail("has " + text::count_with_noun(corner_count, "corner") + "; three make a triangle");
+        require_within_limit(value, parsed_mesh_.mesh.faces.size(), corner_count / 3, "triangles");
+        for (std::size_t i = 0; i < corner_count; i += 3) {
             settings_.stop.check();
             std::array<std::uint32_t, 3> face;
             for (std::size_t k = 0; k < 3; ++k) {
