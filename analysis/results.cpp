@@ -168,7 +168,7 @@ ExitStatus report_unproved(std::uint64_t rays, int bits) {
     if (rays == 0) return ExitStatus::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
                count_with_noun(rays, "ray"), bits, rays == 1 ? "it counts" : "they count");
-    return ExitStatus::internal;
+    return ExitStatus::unproved;
 }
 
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,
