@@ -168,7 +168,7 @@ ExitStatus report_unproved(std::uint64_t ray_count, int bits) {
     if (ray_count == 0) return ExitStatus::done;
     fmt::print(stderr, "lostbits: the true answer for {} could not be proved within {} bits; {} as `unresolved`\n",
                count_with_noun(ray_count, "ray"), bits, ray_count == 1 ? "it counts" : "they count");
-    return ExitStatus::internal;
+    return ExitStatus::unproved;
 }
 
 void note_suspicions(const std::vector<measure::evaluate::TestedForm>& tested_forms, const CommonOptions& common,

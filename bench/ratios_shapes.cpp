@@ -87,7 +87,7 @@ void print_truth_of_shapes() {
         sets.push_back({ShapeSet(hits, std::nullopt), ShapeSet(hits, turned())});
     }
     std::printf("%-12s %14s %14s %14s %14s %14s %14s   rays that hit, one primitive, packs of %s\n", "truth",
-                "24 bits, ns", "53 bits, ns", "under a matrix", "53 bits, ns", "times, 24", "times, 53",
+                "24 bits, ns", "53 bits, ns", "with a transform", "53 bits, ns", "times, 24", "times, 53",
                 std::string(name_of(intersect::simd::current_isa())).c_str());
     for (const auto& [own, transformed] : sets) {
         static measure::truth::TruthColumns out;

@@ -13,7 +13,8 @@ enum class ExitStatus : int {
     bad_input = 2,         ///< wrong usage, or a file with wrong contents
     environment = 3,       ///< unwritable file, full disk, missing library or CPU feature
     nothing_selected = 4,  ///< a glob or filter that matches nothing
-    internal = 70,         ///< a bug in lostbits, or a reference that did not converge
+    unproved = 5,          ///< done, but the truth of some rays could not be proved
+    internal = 70,         ///< a bug in lostbits
     interrupted = 130,     ///< a signal stopped the run; finished files are kept
 };
 

@@ -10,7 +10,7 @@ constexpr std::size_t max_listed = 12;
 char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 int max_edits(std::size_t letter_count) {
-    if (letter_count == 0) return 0;
+    if (letter_count <= 1) return 0;
     if (letter_count <= 5) return 1;
     if (letter_count <= 8) return 2;
     return static_cast<int>(letter_count / 3);

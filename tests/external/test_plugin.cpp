@@ -236,7 +236,7 @@ TEST_CASE("plugin: a file that is not a library of forms is refused with advice"
 TEST_CASE("plugin: an impossible contract is refused by name", "[external]") {
     const Scratch folder;
     for (const auto& [word, says] : std::initializer_list<std::array<std::string, 2>>{
-             {"no_name", "a form has no name"},
+             {"no_name", "the name of a form is NULL"},
              {"name", "must begin with a letter"},
              {"no_dot", "a name is LIBRARY.FORM"},
              {"ours", "belong to the forms that ship"},

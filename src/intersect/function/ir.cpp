@@ -55,7 +55,7 @@ bool continues_on_next_line(std::string_view text, std::string_view line, std::s
 /// Reads `NAME:`, which begins a block.
 void begin_block(IrFunction& function, Cursor& cursor) {
     const std::string name = cursor.take_name();
-    if (!cursor.take(":")) cursor.fail("a block has no name");
+    if (!cursor.take(":")) cursor.fail("a block lacks a name");
     if (function.blocks.size() == 1 && function.blocks[0].lines.empty()) function.blocks[0].name = name;
     else function.blocks.push_back({name, {}});
 }
@@ -354,7 +354,7 @@ IrFunction* Module::read_header(Cursor& cursor) {
     std::string_view returned_text;
     for (;;) {
         Cursor ahead = cursor;
-        if (ahead.at_end()) cursor.fail("a function has no name");
+        if (ahead.at_end()) cursor.fail("a function lacks a name");
         const char next = ahead.peek();
         if (next == '@') break;
         const std::string_view rest_of_line = ahead.rest();

@@ -90,7 +90,7 @@ constexpr Metric rows_of_t[] = {
         "error of "
         "a derivative, divided by the largest derivative of its vector. The derivatives come from forward "
         "differentiation of the form in its format. Forms for unit directions are not differentiated by the "
-        "direction; a primitive under a matrix has no value",
+        "direction; a primitive with a transform has no value",
         derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};
 
 }  // namespace

@@ -67,7 +67,7 @@ constexpr Metric labelled_metrics[] = {
               {.needs = needs_attribution}),
     table_row(
         {"step:", "ulp", "space."},
-        "part of the error of t that is assigned to that step to object space or back, for a primitive under a matrix",
+        "part of the error of t that is assigned to that step to object space or back, for a primitive with a transform",
         step_error, {.needs = needs_steps, .ramp = Ramp::magnitude, .low = 0x1p-4})};
 
 bool has_operation_label(const Metric& metric) { return !metric.label.empty() && metric.needs != needs_nothing; }

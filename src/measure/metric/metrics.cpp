@@ -178,7 +178,7 @@ constexpr Metric table[] = {
          .categories = intersect::arithmetic_names}),
     table_row(
         {"worst_step", "", "space.step"},
-        "for a primitive under a matrix: the step to object space or back to which most of the error of t is assigned, "
+        "for a primitive with a transform: the step to object space or back to which most of the error of t is assigned, "
         "or the first one that changes the decision; each step in turn is rounded, with the steps after it exact",
         worst_step,
         {.needs = needs_steps,

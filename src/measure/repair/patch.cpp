@@ -250,7 +250,7 @@ std::string Patcher::Writer::expression_text(NodeId n, SourcePrecedence& precede
         precedence = digits.starts_with('-') ? SourcePrecedence::sign : SourcePrecedence::call;
         return digits;
     }
-    if (node.op == TapeOp::input) throw UnwritableChange("it needs a number that has no name in the function");
+    if (node.op == TapeOp::input) throw UnwritableChange("it needs a number that no variable of the function holds");
     const bool is_of_double = is_double(*new_tape_, is_comparison(node.op) ? node.operands[0] : n);
     const SourcePattern source_pattern = node.op == TapeOp::convert
                                              ? conversion_in(function_.language, is_wide)

@@ -100,7 +100,7 @@ int open_new_file(const std::function<std::string()>& make_name, const std::func
         }
 
         const bool is_locked = ::flock(fd, LOCK_EX | LOCK_NB) == 0;
-        if (!is_locked && errno != EWOULDBLOCK) return fd;  // the file system has no locks, so nobody removes the file
+        if (!is_locked && errno != EWOULDBLOCK) return fd;  // without locks, no other process removes the file
         // Another process that holds the lock is about to remove the file, even if its name is still there.
         struct stat info {};
         if (is_locked && (::fstat(fd, &info) != 0 || info.st_nlink > 0)) return fd;

@@ -297,7 +297,7 @@ void ResultFolder::create_marker() {
         "and removes this file.\n",
         marker_sentence, to_valid_utf8(provenance_.command),
         rules_.can_resume ? " with --resume to continue where it stopped (without --resume it starts over)" : "");
-    // The text is written before the file is cut to size, so that nobody ever reads an empty marker of a run that has
+    // The text is written before the file is cut to size, so that no process reads an empty marker of a run that has
     // results.
     if (::pwrite(marker_fd_, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()) ||
         ::ftruncate(marker_fd_, static_cast<off_t>(text.size())) != 0)
