@@ -43,9 +43,9 @@ Outcome must(const std::string& arguments, const fs::path& folder, const std::st
     return r;
 }
 
-void check_refused(const Scratch& folder, const std::string& command, const std::vector<Refused>& rows) {
+void check_refused(const Scratch& folder, const std::string& command, const std::vector<RefusedArguments>& rows) {
     const auto before = folder.files();
-    for (const Refused& row : rows) {
+    for (const RefusedArguments& row : rows) {
         const Outcome r = run(command + " " + row.words, folder.path());
         INFO(command << " " << row.words << "\n" << r.err);
         CHECK(r.code == row.code);

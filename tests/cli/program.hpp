@@ -36,12 +36,12 @@ Outcome run(const std::string& arguments, const std::filesystem::path& folder = 
 Outcome must(const std::string& arguments, const std::filesystem::path& folder = ".", const std::string& before = "");
 
 /// Arguments that are refused, a part of the message, and the exit status.
-struct Refused {
+struct RefusedArguments {
     std::string words, says;
     int code = 2;
 };
 /// Runs `lostbits COMMAND WORDS` of each row in the folder: it prints nothing, and leaves nothing there.
-void check_refused(const Scratch& folder, const std::string& command, const std::vector<Refused>& rows);
+void check_refused(const Scratch& folder, const std::string& command, const std::vector<RefusedArguments>& rows);
 
 /// Shell words behind a command: a signal ends it after this many seconds of processor time. Wall time would end it
 /// before it begins on a machine with other work.
@@ -57,12 +57,12 @@ inline std::string into(const Scratch& scratch, const std::string& folder = "out
 void draw_pictures();
 
 /// True if a text contains another; a check that fails shows both.
-class Has {
+class HasText {
 public:
-    Has(const std::string& text, const std::string& part)
+    HasText(const std::string& text, const std::string& part)
         : text_(text), part_(part), is_(text.find(part) != std::string::npos) {}
     operator bool() const { return is_; }
-    friend std::ostream& operator<<(std::ostream& out, const Has& has) {
+    friend std::ostream& operator<<(std::ostream& out, const HasText& has) {
         return out << '"' << has.part_ << "\" in\n" << has.text_.substr(0, 4000);
     }
 
@@ -70,7 +70,7 @@ private:
     const std::string &text_, &part_;
     bool is_;
 };
-inline Has has(const std::string& text, const std::string& part) { return {text, part}; }
+inline HasText has(const std::string& text, const std::string& part) { return {text, part}; }
 
 /// The commands that the program's help names.
 std::set<std::string> commands();

@@ -7,33 +7,34 @@
 namespace lostbits::test {
 
 /// Commands that are run with less work than the page states. All others run as they are written there.
-struct Cheaper {
+struct CheaperTest {
     std::string_view start, adds, why;
 };
 inline constexpr std::array cheaper{
-    Cheaper{"map ", " --size 32x32", "a small picture has the same files"},
-    Cheaper{"render ", " --size 32x32", "a small picture has the same files"},
-    Cheaper{"offsets ", " --size 16x12", "a small picture has the same files"},
-    Cheaper{"consistency ", " --size 16x12", "a small picture has the same files"},
-    Cheaper{"report ", " --size 32x32", "a small picture has the same parts"},
-    Cheaper{"report ", " --no-claims", "test_reports.cpp measures every claim, test_report.cpp has pages with claims"},
-    Cheaper{"report ", " --seeds 0", "further draws are rows of the same tables"},
-    Cheaper{"report sphere-height ", " -f f32", "a plane of each format takes 2 s"},
-    Cheaper{"sweep padding --worst ", " --set starts=16", "7 s"},
-    Cheaper{"report -o out ", " -i sphere.unified -i sdf.sphere_trace -f f32 near-benign sphere-distance",
-            "all scenes take 40 s"},
-    Cheaper{"report near-benign --metric residual --trade ", " -i sphere.unified -i sphere.press",
-            "times of every form are 6 s"},
-    Cheaper{"report near-benign --choose ", " -i sphere.unified -i sphere.press", "the same"},
-    Cheaper{"report rtg-fig-7-3-4100-oblique near-benign ", " -i sphere.schoolbook -i sphere.unified",
-            "20 s: the page of the screenshots"},
-    Cheaper{"sweep sphere-", " --steps 8", "10 s each"},
-    Cheaper{"sweep data/sweeps/sdf-", " --steps 3", "10 s"},
-    Cheaper{"check  ", " --filter 'float.*'", "20 s; test_reports.cpp measures every claim"},
-    Cheaper{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'",
-            "a minute; test_check.cpp measures times"},
-    Cheaper{"trade -o out ", " --quick -i sphere.unified -i sphere.press",
-            "a minute; test_trade.cpp measures every form"},
+    CheaperTest{"map ", " --size 32x32", "a small picture has the same files"},
+    CheaperTest{"render ", " --size 32x32", "a small picture has the same files"},
+    CheaperTest{"offsets ", " --size 16x12", "a small picture has the same files"},
+    CheaperTest{"consistency ", " --size 16x12", "a small picture has the same files"},
+    CheaperTest{"report ", " --size 32x32", "a small picture has the same parts"},
+    CheaperTest{"report ", " --no-claims",
+                "test_reports.cpp measures every claim, test_report.cpp has pages with claims"},
+    CheaperTest{"report ", " --seeds 0", "further draws are rows of the same tables"},
+    CheaperTest{"report sphere-height ", " -f f32", "a plane of each format takes 2 s"},
+    CheaperTest{"sweep padding --worst ", " --set starts=16", "7 s"},
+    CheaperTest{"report -o out ", " -i sphere.unified -i sdf.sphere_trace -f f32 near-benign sphere-distance",
+                "all scenes take 40 s"},
+    CheaperTest{"report near-benign --metric residual --trade ", " -i sphere.unified -i sphere.press",
+                "times of every form are 6 s"},
+    CheaperTest{"report near-benign --choose ", " -i sphere.unified -i sphere.press", "the same"},
+    CheaperTest{"report rtg-fig-7-3-4100-oblique near-benign ", " -i sphere.schoolbook -i sphere.unified",
+                "20 s: the page of the screenshots"},
+    CheaperTest{"sweep sphere-", " --steps 8", "10 s each"},
+    CheaperTest{"sweep data/sweeps/sdf-", " --steps 3", "10 s"},
+    CheaperTest{"check  ", " --filter 'float.*'", "20 s; test_reports.cpp measures every claim"},
+    CheaperTest{"check --profile timing", " --filter 'speed.signs-over-inclusive-*'",
+                "a minute; test_check.cpp measures times"},
+    CheaperTest{"trade -o out ", " --quick -i sphere.unified -i sphere.press",
+                "a minute; test_trade.cpp measures every form"},
 };
 
 /// Commands that take seconds of processor time and run in the long tests only, each with what tries the like in the

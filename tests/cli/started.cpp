@@ -13,7 +13,8 @@
 
 namespace lostbits::test {
 
-Started::Started(const std::vector<std::string>& words, const fs::path& folder, const std::vector<int>& ignored) {
+StartedProgram::StartedProgram(const std::vector<std::string>& words, const fs::path& folder,
+                               const std::vector<int>& ignored) {
     std::vector<std::string> owned{LOSTBITS_PROGRAM};
     owned.insert(owned.end(), words.begin(), words.end());
     std::vector<char*> arguments;
@@ -39,18 +40,18 @@ Started::Started(const std::vector<std::string>& words, const fs::path& folder, 
     ::_exit(127);
 }
 
-Started::~Started() {
+StartedProgram::~StartedProgram() {
     if (over_) return;
     send(SIGKILL);
     ::waitpid(pid_, &status_, 0);
 }
 
-bool Started::ended() {
+bool StartedProgram::ended() {
     over_ = over_ || ::waitpid(pid_, &status_, WNOHANG) == pid_;
     return over_;
 }
 
-bool Started::wait_until(const std::function<bool()>& is) {
+bool StartedProgram::wait_until(const std::function<bool()>& is) {
     while (!is()) {
         if (ended()) return false;
         std::this_thread::sleep_for(std::chrono::microseconds(500));
@@ -58,7 +59,7 @@ bool Started::wait_until(const std::function<bool()>& is) {
     return true;
 }
 
-int Started::wait() {
+int StartedProgram::wait() {
     if (!over_) ::waitpid(pid_, &status_, 0);
     over_ = true;
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);

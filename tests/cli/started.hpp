@@ -13,14 +13,14 @@ namespace lostbits::test {
 
 /// A run of the program that goes on while the test looks. It receives signals like a program that was started at a
 /// terminal; its output goes to `out` and `err`.
-class Started {
+class StartedProgram {
 public:
     /// Starts `lostbits WORDS` in `folder`; `ignored` are signals that are ignored from its start on.
-    Started(const std::vector<std::string>& words, const std::filesystem::path& folder,
-            const std::vector<int>& ignored = {});
-    ~Started();
-    Started(const Started&) = delete;
-    Started& operator=(const Started&) = delete;
+    StartedProgram(const std::vector<std::string>& words, const std::filesystem::path& folder,
+                   const std::vector<int>& ignored = {});
+    ~StartedProgram();
+    StartedProgram(const StartedProgram&) = delete;
+    StartedProgram& operator=(const StartedProgram&) = delete;
 
     void send(int signal) const { ::kill(pid_, signal); }
     /// Waits until `is` holds, checking every half millisecond; false if the run ended before.

@@ -45,16 +45,16 @@ struct Command {
 constexpr std::string_view prompt = "$ ", program = "build/lostbits ", compiler = "c++ ";
 
 /// Commands on the pages that this test does not run.
-struct Other {
+struct OtherPage {
     std::string_view start, why;
 };
 constexpr std::array others{
-    Other{"./run", "builds everything"},
-    Other{"cmake ", "builds everything; tests/package installs"},
-    Other{"ctest ", "runs this test"},
-    Other{"cc ray.c ", "test_explain.cpp compiles the C program of every form"},
-    Other{"build/bench/", "measures time, and is not always built"},
-    Other{"node tests/browser/screenshots.js ", "needs a browser; tests/browser has one where there is one"},
+    OtherPage{"./run", "builds everything"},
+    OtherPage{"cmake ", "builds everything; tests/package installs"},
+    OtherPage{"ctest ", "runs this test"},
+    OtherPage{"cc ray.c ", "test_explain.cpp compiles the C program of every form"},
+    OtherPage{"build/bench/", "measures time, and is not always built"},
+    OtherPage{"node tests/browser/screenshots.js ", "needs a browser; tests/browser has one where there is one"},
 };
 
 std::vector<Command> commands_of(const std::string& page) {
@@ -79,7 +79,7 @@ std::vector<Command> commands_of(const std::string& page) {
             ours = typed.starts_with(program);
             if (!ours) {
                 INFO(where << ": neither run nor listed: " << typed);
-                CHECK(std::ranges::any_of(others, [&](const Other& o) { return typed.starts_with(o.start); }));
+                CHECK(std::ranges::any_of(others, [&](const OtherPage& o) { return typed.starts_with(o.start); }));
                 continue;
             }
             std::smatch exit;

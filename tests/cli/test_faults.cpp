@@ -28,15 +28,15 @@ std::string in_container() {
 }
 
 /// A file that a living run holds, as another container would: under a lock.
-class Held {
+class LockedFile {
 public:
-    explicit Held(const fs::path& path) : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+    explicit LockedFile(const fs::path& path) : fd_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
         REQUIRE(fd_ >= 0);
         REQUIRE(::flock(fd_, LOCK_EX) == 0);
     }
-    ~Held() { ::close(fd_); }
-    Held(const Held&) = delete;
-    Held& operator=(const Held&) = delete;
+    ~LockedFile() { ::close(fd_); }
+    LockedFile(const LockedFile&) = delete;
+    LockedFile& operator=(const LockedFile&) = delete;
 
 private:
     int fd_;
@@ -54,7 +54,7 @@ TEST_CASE("two containers with equal process ids keep their half-written files, 
     const std::string container = in_container();
     if (container.empty()) WARN("no containers here: tried without one");
     const fs::path other = scratch / ".claims.csv.partial-1";
-    const Held held(other);
+    const LockedFile held(other);
     // The word `exec` that follows is for the outer shell; the program becomes process 1 of the container.
     const std::string before = container.empty() ? "" : "exec " + container + " sh -c 'shift; exec \"$@\"' sh";
     must("check " + claims + " --export-csv claims.csv", scratch.path(), before);
@@ -100,7 +100,7 @@ TEST_CASE("signals ignored at the start stay ignored") {
     scratch.write("mine.toml", good_scene);
     for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGQUIT}) {
         INFO("signal " << signal);
-        Started started(slow, scratch.path(), {signal});
+        StartedProgram started(slow, scratch.path(), {signal});
         REQUIRE(started.wait_until([&] { return has_partial_files(scratch / "out"); }));
         for (int k = 0; k < 2; ++k) started.send(signal);
         CHECK(started.wait() == 0);
@@ -113,7 +113,7 @@ TEST_CASE("a run ended by any signal leaves no half-written file") {
     for (const int signal : {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPIPE, SIGABRT, SIGSEGV, SIGTERM,
                              SIGINT, SIGHUP, SIGXCPU}) {
         INFO("signal " << signal);
-        Started started(slow, scratch.path());
+        StartedProgram started(slow, scratch.path());
         REQUIRE(started.wait_until([&] { return has_partial_files(scratch / "out"); }));
         started.send(signal);
         const bool asks = signal == SIGTERM || signal == SIGINT || signal == SIGHUP || signal == SIGXCPU;
@@ -128,7 +128,7 @@ TEST_CASE("a run over scenes that is interrupted reports how many are finished")
     for (const char* name : {"mine.toml", "other.toml"}) scratch.write(name, good_scene);
     auto words = slow;
     words.insert(words.begin() + 2, "other.toml");
-    Started started(words, scratch.path());
+    StartedProgram started(words, scratch.path());
     REQUIRE(started.wait_until([&] {
         return fs::exists(scratch / "out/mine/contact.png") && !fs::exists(scratch / "out/mine/UNFINISHED.txt") &&
                has_partial_files(scratch / "out/other");
@@ -165,9 +165,9 @@ TEST_CASE("a run killed while it replaces results leaves a note that they are no
     other[5] = "f64,f32";
     int caught = 0;
     for (int k = 0; k < 20 && caught < (is_long() ? 3 : 1); ++k) {
-        REQUIRE(Started(slow, scratch.path()).wait() == 0);
+        REQUIRE(StartedProgram(slow, scratch.path()).wait() == 0);
         CHECK_FALSE(fs::exists(folder / "UNFINISHED.txt"));
-        Started started(other, scratch.path());
+        StartedProgram started(other, scratch.path());
         // The first of the new results replaces the old ones.
         if (!started.wait_until([&] { return !fs::exists(folder / "summary.csv"); })) continue;
         started.send(SIGKILL);
@@ -180,7 +180,7 @@ TEST_CASE("a run killed while it replaces results leaves a note that they are no
                   "again"));
     }
     CHECK(caught > 0);
-    REQUIRE(Started(slow, scratch.path()).wait() == 0);
+    REQUIRE(StartedProgram(slow, scratch.path()).wait() == 0);
     CHECK_FALSE(fs::exists(folder / "UNFINISHED.txt"));
     CHECK_FALSE(has_partial_files(scratch.path()));
     CHECK_FALSE(has(run("diff out out", scratch.path()).err, "not finished"));

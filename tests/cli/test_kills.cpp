@@ -35,7 +35,7 @@ struct Command {
 
     void try_alone(const Scratch& scratch, const fs::path& folder) {
         const auto start = Clock::now();
-        REQUIRE(Started(words, scratch.path()).wait() == 0);
+        REQUIRE(StartedProgram(words, scratch.path()).wait() == 0);
         seconds = std::chrono::duration<double>(Clock::now() - start).count();
         right = files_in(folder);
     }
@@ -64,7 +64,7 @@ bool is_sound(const Files& found, const Files& a, const Files& b) {
 /// Kills a run after a time drawn from its whole duration and somewhat more.
 void kill_once(const Scratch& scratch, const Command& command, std::mt19937& random, Counts& counts) {
     const bool kills = std::bernoulli_distribution(0.5)(random);
-    Started started(command.words, scratch.path());
+    StartedProgram started(command.words, scratch.path());
     std::this_thread::sleep_for(
         std::chrono::duration<double>(std::uniform_real_distribution<double>(0, 1.1 * command.seconds)(random)));
     started.send(kills ? SIGKILL : SIGTERM);
@@ -91,7 +91,7 @@ void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Comma
         INFO("after " << k + 1 << " kills");
         REQUIRE(is_sound(found, a.right, b.right));
     }
-    REQUIRE(Started(a.words, scratch.path()).wait() == 0);
+    REQUIRE(StartedProgram(a.words, scratch.path()).wait() == 0);
     CHECK(files_in(folder) == a.right);
     CHECK(files_below(scratch / "out").size() == a.right.size());
     if (wanted != nullptr)

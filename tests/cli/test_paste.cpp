@@ -16,13 +16,13 @@ namespace {
 using Json = nlohmann::json;
 using Table = std::vector<std::map<std::string, std::string>>;
 
-struct Checked {
+struct CheckResult {
     int worst = 0, faults = 0;
 };
 
 /// Pastes the worst ray and the first wrong decision of every `every`th row.
-Checked paste_rows(const Table& table, const Scratch& folder, std::size_t every = 1) {
-    Checked checked;
+CheckResult paste_rows(const Table& table, const Scratch& folder, std::size_t every = 1) {
+    CheckResult checked;
     for (std::size_t i = 0; i < table.size(); i += every) {
         const std::string name = table[i].at("form") + " in " + table[i].at("format");
         CAPTURE(i, name);
@@ -76,12 +76,12 @@ TEST_CASE("paste: the worst ray of each row of summary.csv and any row of a pixe
         "map camera-inside --set camera.fov_deg=50 --metric lost_bits -i sphere.unit_half_b -f "
         "f32 --size 9x7 -o set",
         folder.path());
-    Checked all = paste_rows(read_csv(folder / "set/camera-inside/summary.csv"), folder);
+    CheckResult all = paste_rows(read_csv(folder / "set/camera-inside/summary.csv"), folder);
     CHECK(all.faults == 1);
     for (const std::string scene : {"near-benign", "world-offset-own", "box-octree", "sdf-sphere",
                                     "rtg-fig-7-3-4100-oblique", "my scene.a", "my scene.b"}) {
         const auto table = read_csv(folder / "out" / scene / "summary.csv");
-        const Checked some = paste_rows(table, folder);
+        const CheckResult some = paste_rows(table, folder);
         CAPTURE(scene);
         CHECK(some.worst > 0);
         all.worst += some.worst;
@@ -120,14 +120,14 @@ TEST_CASE("paste: the worst ray of each sweep step, with the primitive of its vi
                           axis_of({"distance", "\"distance\", \"march.max_dist\"", "4", "4000"})));
     folder.write("scene.toml",
                  sweep_of("scene = \"near-benign\"\n" + axis_of({"radius", "\"sphere[0].radius\"", "0.25", "1"})));
-    Checked all;
+    CheckResult all;
     for (const auto& [name, forms] :
          std::vector<std::pair<std::string, std::string>>{{"one", "-i sphere.schoolbook -i sphere.press"},
                                                           {"many", "-i box.signs -i box.baseline"},
                                                           {"march", "-i sdf.sphere_trace -i sdf.over_relaxed"},
                                                           {"scene", "-i sphere.unified"}}) {
         must("sweep " + name + ".toml " + forms + " -f f32 -f f64 -f bf16 -o out", folder.path());
-        const Checked some = paste_rows(read_csv(folder / "out" / name / "samples.csv"), folder);
+        const CheckResult some = paste_rows(read_csv(folder / "out" / name / "samples.csv"), folder);
         CAPTURE(name);
         CHECK(some.worst > 5);
         all.faults += some.faults;
@@ -173,10 +173,10 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
          folder.path());
     const std::vector<std::tuple<std::string, std::size_t, int>> files{
         {"my cases", 1, 12}, {"contact", 3, 3}, {"not-numbers", 2, 3}, {"box-boundary", 29, 10}, {"near", 17, 10}};
-    Checked all;
+    CheckResult all;
     for (const auto& [name, every, least] : files) {
         const auto table = read_csv(folder / "out" / name / "cases.csv");
-        const Checked some = paste_rows(table, folder, every);
+        const CheckResult some = paste_rows(table, folder, every);
         CAPTURE(name);
         CHECK(some.worst + some.faults >= least);
         all.worst += some.worst;

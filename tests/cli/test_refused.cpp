@@ -15,7 +15,7 @@ namespace {
 
 struct Section {
     std::string command;
-    std::vector<Refused> rows;
+    std::vector<RefusedArguments> rows;
 };
 
 std::vector<Section> sections() {
@@ -30,7 +30,7 @@ std::vector<Section> sections() {
         const auto arrow = line.find("=> ");
         INFO(line);
         REQUIRE(arrow != std::string::npos);
-        Refused row{line.substr(0, arrow), line.substr(arrow + 3)};
+        RefusedArguments row{line.substr(0, arrow), line.substr(arrow + 3)};
         if (row.words.size() > 1 && std::isdigit(row.words[0]) && row.words[1] == ' ') {
             row.code = row.words[0] - '0';
             row.words.erase(0, 2);
@@ -41,7 +41,7 @@ std::vector<Section> sections() {
 }
 
 /// The command of a row.
-std::string command_of(const Section& section, const Refused& row) {
+std::string command_of(const Section& section, const RefusedArguments& row) {
     const std::string words = section.command.empty() ? row.words : section.command;
     return words.substr(0, words.find(' '));
 }
@@ -179,8 +179,8 @@ void hold(const std::set<std::string>& commands_of_rows, bool these) {
         for (const auto& [name, text] : files) scratch.write(name, text);
     fs::create_directory(scratch / "folder");
     for (const Section& section : sections()) {
-        std::vector<Refused> rows;
-        for (const Refused& row : section.rows)
+        std::vector<RefusedArguments> rows;
+        for (const RefusedArguments& row : section.rows)
             if (commands_of_rows.contains(command_of(section, row)) == these) rows.push_back(row);
         check_refused(scratch, section.command, rows);
     }
@@ -198,7 +198,7 @@ TEST_CASE("every command has a refused input in the tests or a reason why not") 
     std::set<std::string> known{"manual"}, refusing;  // takes no words
     std::size_t rows = 0;
     for (const Section& section : sections())
-        for (const Refused& row : section.rows) {
+        for (const RefusedArguments& row : section.rows) {
             const std::string typed = section.command + " " + row.words;
             INFO(typed << "=> " << row.says);
             CHECK_FALSE(has(typed, row.says));  // the arguments may be repeated in the message, whatever is wrong

@@ -23,26 +23,26 @@ namespace {
 
 /// Claims that only the long tests measure, 64 % of the time of all claims, and the claims that the short tests measure
 /// in their place.
-struct Slow {
+struct SlowClaim {
     const char *ids, *instead;
 };
 constexpr std::array slow_claims{
-    Slow{"attribution.far.pbrt-interval.*", "attribution.far.pbrt-factored.*"},
-    Slow{"attribution.far.kahan.*", "attribution.far.hearn-baker.*"},
-    Slow{"backward.[!hb]*", "backward.hearn_baker-*, backward.half_b-*"},
-    Slow{"backward.box-[!s]*", "backward.box-signs-*"},
-    Slow{"bound.gamma5-search", "bound.own-search"},
-    Slow{"bound.slabs-ize-search", "bound.slabs-ize, hierarchy.ize-harm"},
-    Slow{"derivative.near-unified", "derivative.near-schoolbook"},
-    Slow{"ellipsoid.*-search-*", "cylinder.distance-search-innocence"},
-    Slow{"mend.mesh-cracks", "mend.box-faces"},
-    Slow{"mend.cylinder-wrong", "mend.schoolbook-wrong"},
-    Slow{"offset.*-earth*", "offset.*-contact"},
-    Slow{"offset.*-world", "offset.*-near"},
-    Slow{"offset.*-far*", "offset.*-tiny"},
-    Slow{"prediction.statistical-interval", "prediction.statistical-near"},
-    Slow{"stability.*-grazing-backward", "stability.hearn_baker-4100-backward"},
-    Slow{"stability.[!h]*-4100-backward", "stability.hearn_baker-4100-backward"},
+    SlowClaim{"attribution.far.pbrt-interval.*", "attribution.far.pbrt-factored.*"},
+    SlowClaim{"attribution.far.kahan.*", "attribution.far.hearn-baker.*"},
+    SlowClaim{"backward.[!hb]*", "backward.hearn_baker-*, backward.half_b-*"},
+    SlowClaim{"backward.box-[!s]*", "backward.box-signs-*"},
+    SlowClaim{"bound.gamma5-search", "bound.own-search"},
+    SlowClaim{"bound.slabs-ize-search", "bound.slabs-ize, hierarchy.ize-harm"},
+    SlowClaim{"derivative.near-unified", "derivative.near-schoolbook"},
+    SlowClaim{"ellipsoid.*-search-*", "cylinder.distance-search-innocence"},
+    SlowClaim{"mend.mesh-cracks", "mend.box-faces"},
+    SlowClaim{"mend.cylinder-wrong", "mend.schoolbook-wrong"},
+    SlowClaim{"offset.*-earth*", "offset.*-contact"},
+    SlowClaim{"offset.*-world", "offset.*-near"},
+    SlowClaim{"offset.*-far*", "offset.*-tiny"},
+    SlowClaim{"prediction.statistical-interval", "prediction.statistical-near"},
+    SlowClaim{"stability.*-grazing-backward", "stability.hearn_baker-4100-backward"},
+    SlowClaim{"stability.[!h]*-4100-backward", "stability.hearn_baker-4100-backward"},
 };
 
 /// The ids of the claims about results; in the short tests without the slow ones.
@@ -54,7 +54,7 @@ std::set<std::string> measured_ids() {
         for (const Claim& claim : lostbits::scene::check::read_claims(file)) {
             if (claim.profile != Claim::Profile::results) continue;
             const auto found = std::ranges::find_if(
-                slow_claims, [&](const Slow& d) { return ::fnmatch(d.ids, claim.id.c_str(), 0) == 0; });
+                slow_claims, [&](const SlowClaim& d) { return ::fnmatch(d.ids, claim.id.c_str(), 0) == 0; });
             if (found != slow_claims.end()) used.insert(found->ids);
             if (found == slow_claims.end() || is_long()) ids.insert(claim.id);
         }

@@ -32,12 +32,12 @@ public:
         stand_in("tests/instrumented_tbb", "");
     }
 
-    struct Said {
+    struct Output {
         int code;
         std::string out, err, calls;
     };
-    [[nodiscard]] Said run(const std::string& word) const { return said_by("bash run " + word); }
-    [[nodiscard]] Said said_by(const std::string& words) const {
+    [[nodiscard]] Output run(const std::string& word) const { return said_by("bash run " + word); }
+    [[nodiscard]] Output said_by(const std::string& words) const {
         const std::string command = "cd '" + scratch_.path().string() + "' && TMPDIR=$PWD PATH=\"$PWD/bin:$PATH\" " +
                                     words + " >out.txt 2>err.txt </dev/null";
         const int code = std::system(command.c_str());

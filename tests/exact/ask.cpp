@@ -16,12 +16,12 @@ namespace {
 namespace truth = measure::truth;
 
 /// A problem in the types of lostbits.
-struct Given {
+struct GivenProblem {
     Ray<double> ray;
     Primitive<double> primitive;
     Range<double> range;
 
-    Given(Shape shape, const Problem& problem)
+    GivenProblem(Shape shape, const Problem& problem)
         : ray{{problem.ray[0], problem.ray[1], problem.ray[2]}, {problem.ray[3], problem.ray[4], problem.ray[5]}},
           primitive(shape),
           range{problem.tmin, problem.tmax, {problem.open_tmin, problem.open_tmax}} {
@@ -30,13 +30,13 @@ struct Given {
     }
 };
 
-double rounded(const truth::Truth& found, const Given& given, const FloatFormat& format) {
+double rounded(const truth::Truth& found, const GivenProblem& given, const FloatFormat& format) {
     return truth::round_truth(found, given.ray, given.primitive, format, truth::Length::parameter, {}, given.range);
 }
 
 /// Answer from a truth. A t that is known only to 2^-33 is not yet a double; rounding it would find it again for each
 /// ray.
-Answer answer_of(const truth::Truth& found, const Given& given,
+Answer answer_of(const truth::Truth& found, const GivenProblem& given,
                  truth::Tightness tightness = truth::Tightness::certified) {
     if (found.decision == truth::Truth::Decision::unresolved) throw std::runtime_error("a ray is unresolved");
     if (!found.is_hit()) return {};
@@ -104,7 +104,7 @@ void ask_columns(Shape shape, truth::Tightness tightness, std::span<const Proble
     truth::find_truth_columns(given.columns, {.convention = {}, .tightness = tightness, .limit = {}}, found);
     auto alone = found.single_truths.begin();
     for (std::size_t i = 0; i < problems.size(); ++i) {
-        const Given one(shape, problems[i]);
+        const GivenProblem one(shape, problems[i]);
         if (alone != found.single_truths.end() && alone->first == i) {
             answers[i] = answer_of((alone++)->second, one, tightness);
             continue;
@@ -134,7 +134,7 @@ void ask_interface(std::string_view shape, std::span<const Problem> problems, st
     rays.tmax = column(&p.tmax, 1);
     rays.open_ends = p.open_tmin ? (p.open_tmax ? "both" : "tmin") : p.open_tmax ? "tmax" : "none";
     rays.shape = name.c_str();
-    rays.primitives = column(p.primitive.data(), most_primitive);
+    rays.primitives = column(p.primitive.data(), max_primitive_numbers);
     rays.paired = 1;
     if (p.has_transform) rays.matrix = column(p.matrix.data(), p.matrix.size());
     rays.format = "f64";
@@ -168,7 +168,7 @@ void ask(std::string_view shape, TruthRoute route, std::span<const Problem> prob
         case TruthRoute::doubles: return ask_columns<double>(named, truth::Tightness::certified, problems, answers);
         case TruthRoute::one_by_one:
             for (std::size_t i = 0; i < problems.size(); ++i) {
-                const Given one(named, problems[i]);
+                const GivenProblem one(named, problems[i]);
                 answers[i] = answer_of(truth::find_truth(one.ray, one.primitive, {}, {}, one.range), one);
             }
             return;

@@ -80,7 +80,7 @@ const char* words_of(Fault fault) {
     return "";
 }
 
-Findings check(const Shaped& shape, std::span<const Problem> problems, std::span<const Answer> answers,
+Findings check(const ShapeTest& shape, std::span<const Problem> problems, std::span<const Answer> answers,
                double tightness, std::size_t each_exactly) {
     Findings found;
     for (std::size_t i = 0; i < problems.size(); ++i) {
@@ -99,7 +99,7 @@ Findings check(const Shaped& shape, std::span<const Problem> problems, std::span
     return found;
 }
 
-std::string paste(const Shaped& shape, const Problem& problem, const Answer& a) {
+std::string paste(const ShapeTest& shape, const Problem& problem, const Answer& a) {
     std::string text(shape.name);
     const auto add = [&text](const char* name, double x) {
         char number[64];

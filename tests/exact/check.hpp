@@ -34,10 +34,10 @@ struct Findings {
 
 /// `each_exactly`: one answer in so many is checked without an error, even if the quick check decides. `tightness`:
 /// largest allowed error of each t, as a share of t.
-Findings check(const Shaped& shape, std::span<const Problem> problems, std::span<const Answer> answers,
+Findings check(const ShapeTest& shape, std::span<const Problem> problems, std::span<const Answer> answers,
                double tightness, std::size_t each_exactly);
 
 /// Problem and answer in hexadecimal numbers.
-std::string paste(const Shaped& shape, const Problem& problem, const Answer& answer);
+std::string paste(const ShapeTest& shape, const Problem& problem, const Answer& answer);
 
 }  // namespace lostbits::exact

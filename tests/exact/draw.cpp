@@ -259,12 +259,12 @@ void draw_all_random(std::string_view shape, Ends ends, Chance& chance, std::vec
 
 }  // namespace
 
-void draw_random(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems) {
+void draw_random(const ShapeTest& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems) {
     floats ? draw_all_random<float>(shape.name, ends, chance, problems)
            : draw_all_random<double>(shape.name, ends, chance, problems);
 }
 
-void draw_made(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems) {
+void draw_made(const ShapeTest& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems) {
     floats ? draw_all_made<float>(shape.name, ends, chance, problems)
            : draw_all_made<double>(shape.name, ends, chance, problems);
 }

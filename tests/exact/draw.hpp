@@ -44,12 +44,12 @@ struct Ends {
 
 /// Rays of any length of direction that are aimed at primitives or beside them, from near, from far and from inside, in
 /// floats or doubles; a third of the rays have a range.
-void draw_random(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
+void draw_random(const ShapeTest& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
 
 /// Small whole numbers times a power of two, so that rays touch, pass through edges, corners and rims, begin on
 /// surfaces, run along them, and have components of zero. The power may make all numbers subnormal or bring them near
 /// overflow, and one number may be moved by an ulp. Also numbers with any bits.
-void draw_made(const Shaped& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
+void draw_made(const ShapeTest& shape, bool floats, Ends ends, Chance& chance, std::vector<Problem>& problems);
 
 /// Common property of the matrices of a batch.
 struct Matrices {

@@ -12,12 +12,12 @@ namespace lostbits::exact {
 namespace {
 
 /// m·2^e, m odd or 0.
-struct Odd {
+struct OddDyadic {
     std::int64_t m = 0;
     int e = 0;
 
-    Odd() = default;
-    explicit Odd(double x) {
+    OddDyadic() = default;
+    explicit OddDyadic(double x) {
         const auto bits = std::bit_cast<std::uint64_t>(x);
         const int field = static_cast<int>(bits >> 52 & 0x7ff);
         const std::uint64_t fraction = bits << 12 >> 12,
@@ -34,21 +34,23 @@ struct Odd {
 
 /// Numbers as integers below 2^bits, all times one power of two.
 template <std::size_t N>
-struct OnGrid {
-    std::array<Odd, N> all;
+struct GridNumbers {
+    std::array<OddDyadic, N> all;
     int low = INT_MAX, bits = 0;
 
-    explicit OnGrid(const std::array<double, N>& numbers) {
+    explicit GridNumbers(const std::array<double, N>& numbers) {
         int top = INT_MIN;
         for (std::size_t k = 0; k < N; ++k) {
-            all[k] = Odd(numbers[k]);
+            all[k] = OddDyadic(numbers[k]);
             if (all[k].m != 0) low = std::min(low, all[k].e), top = std::max(top, all[k].top());
         }
         if (top > low) bits = top - low;
     }
     template <class E>
     [[nodiscard]] Vector<E> point(std::size_t k) const {
-        const auto at = [this](const Odd& x) { return x.m == 0 ? E(0) : E(Int128{x.m} * (Int128{1} << (x.e - low))); };
+        const auto at = [this](const OddDyadic& x) {
+            return x.m == 0 ? E(0) : E(Int128{x.m} * (Int128{1} << (x.e - low)));
+        };
         return {at(all[k]), at(all[k + 1]), at(all[k + 2])};
     }
 };
@@ -60,7 +62,7 @@ struct OnGrid {
 /// For points below 2^K and a d below 2^D, t det stays below 2^(3K + 6), and the others and (1 − u − v) det stay below
 /// 2^(2K + D + 7).
 template <class E>
-Passing passing(const Vector<E>& o, const Vector<E>& d, const Vector<E> (&corner)[3]) {
+PassingRay passing(const Vector<E>& o, const Vector<E>& d, const Vector<E> (&corner)[3]) {
     const Vector<E> e = corner[1] - corner[0], f = corner[2] - corner[0], s = o - corner[0];
     const Vector<E> n = cross(e, f), q = cross(d, s);
     const E det = dot(d, n), u = dot(f, q), v = dot(e, q);
@@ -71,27 +73,27 @@ Passing passing(const Vector<E>& o, const Vector<E>& d, const Vector<E> (&corner
 }
 
 template <class E, class Points, class Direction>
-Passing passing_of(const Points& points, const Direction& direction) {
+PassingRay passing_of(const Points& points, const Direction& direction) {
     return passing<E>(points.template point<E>(0), direction.template point<E>(0),
                       {points.template point<E>(3), points.template point<E>(6), points.template point<E>(9)});
 }
 
 }  // namespace
 
-Passing pass(const Problem& problem) {
+PassingRay pass(const Problem& problem) {
     std::array<double, 12> points;
     std::copy_n(problem.ray.begin(), 3, points.begin()), std::copy_n(problem.primitive.begin(), 9, points.begin() + 3);
-    const OnGrid<12> at(points);
-    const OnGrid<3> along({problem.ray[3], problem.ray[4], problem.ray[5]});
+    const GridNumbers<12> at(points);
+    const GridNumbers<3> along({problem.ray[3], problem.ray[4], problem.ray[5]});
     const int bits = std::max(at.bits, along.bits);
     if (bits <= 40) return passing_of<Int128>(at, along);
-    Passing found;
+    PassingRay found;
     if (bits <= 82) {
-        found = passing_of<Fixed<4>>(at, along), found.by = Passing::four_words;
+        found = passing_of<Fixed<4>>(at, along), found.by = PassingRay::four_words;
         return found;
     }
-    const Asked<Whole> q(problem);
-    found = passing<Whole>(q.o, q.d, {q.point(0), q.point(3), q.point(6)}), found.by = Passing::any_length;
+    const ObjectProblem<Whole> q(problem);
+    found = passing<Whole>(q.o, q.d, {q.point(0), q.point(3), q.point(6)}), found.by = PassingRay::any_length;
     return found;
 }
 
@@ -106,7 +108,7 @@ double power_of_two(Chance& chance, int low, int high) { return std::ldexp(1, lo
 
 /// Corner k of three, counted from any of them.
 struct Corners {
-    std::array<double, most_primitive>& numbers;
+    std::array<double, max_primitive_numbers>& numbers;
     std::size_t first;
     [[nodiscard]] double& at(std::size_t k, std::size_t i) const { return numbers[(first + k) % 3 * 3 + i]; }
 };

@@ -10,7 +10,7 @@
 namespace lostbits::exact {
 
 /// Signs that say how a line passes the plane and the edges of a triangle.
-struct Passing {
+struct PassingRay {
     int across = 0;                                             ///< 0: beside the plane or in it
     int edges[3] = {};                                          ///< of each edge: inside of it, on it, or outside
     int ahead = 0;                                              ///< of the plane, as seen from the origin of the ray
@@ -22,7 +22,7 @@ struct Passing {
     /// Number of edges that are hit: two at a vertex.
     [[nodiscard]] int touched() const { return !meets() ? 0 : (edges[0] == 0) + (edges[1] == 0) + (edges[2] == 0); }
 };
-Passing pass(const Problem& triangle);
+PassingRay pass(const Problem& triangle);
 
 /// Rays at a point of an edge or at a vertex, from a thousandth to a million lengths of the triangle away, in floats or
 /// doubles: of fifteen in sixteen the direction is rounded, and most of these are moved by up to two ulps in each

@@ -9,12 +9,12 @@
 
 namespace lostbits::exact {
 
-inline constexpr std::size_t most_primitive = 9;
+inline constexpr std::size_t max_primitive_numbers = 9;
 
 /// A ray, which part of it counts, and a primitive by its numbers in the order of its keys.
 struct Problem {
     std::array<double, 6> ray;
-    std::array<double, most_primitive> primitive{};
+    std::array<double, max_primitive_numbers> primitive{};
     double tmin = 0, tmax = INFINITY;
     bool open_tmin = false, open_tmax = false;
     std::array<double, 12> matrix{};  ///< [A τ], row by row, under which the primitive stands, if it does
@@ -36,17 +36,17 @@ struct Vector {
 
 /// A problem in numbers of E, in the space of its primitive.
 template <class E>
-struct Asked {
+struct ObjectProblem {
     Vector<E> o, d;
-    std::array<E, most_primitive> n;
+    std::array<E, max_primitive_numbers> n;
     Counted<E> counted;
     bool is_flat = false;  ///< the matrix leaves nothing to hit
 
-    explicit Asked(const Problem& problem)
+    explicit ObjectProblem(const Problem& problem)
         : o{E(problem.ray[0]), E(problem.ray[1]), E(problem.ray[2])},
           d{E(problem.ray[3]), E(problem.ray[4]), E(problem.ray[5])},
           counted{place(E(problem.tmin)), {}, problem.open_tmin, problem.open_tmax} {
-        for (std::size_t k = 0; k < most_primitive; ++k) n[k] = E(problem.primitive[k]);
+        for (std::size_t k = 0; k < max_primitive_numbers; ++k) n[k] = E(problem.primitive[k]);
         if (problem.tmax < INFINITY) counted.to = place(E(problem.tmax));
         if (problem.has_transform) enter(problem);
     }
@@ -78,8 +78,8 @@ private:
 
 /// First point at which the ray meets a primitive of a shape; nothing for a miss.
 template <class E>
-First<E> meet(First<E> (*shape)(const Asked<E>&), const Problem& problem) {
-    const Asked<E> q(problem);
+First<E> meet(First<E> (*shape)(const ObjectProblem<E>&), const Problem& problem) {
+    const ObjectProblem<E> q(problem);
     return q.is_flat ? First<E>(std::nullopt) : shape(q);
 }
 
@@ -90,7 +90,7 @@ Chord<E> all_of_it() {
 
 /// |p − c| ≤ r.
 template <class E>
-Chord<E> ball(const Asked<E>& q, const Vector<E>& centre, const E& r) {
+Chord<E> ball(const ObjectProblem<E>& q, const Vector<E>& centre, const E& r) {
     const Vector<E> f = q.o - centre;
     return below<E>(all_of_it<E>(), dot(q.d, q.d), dot(f, q.d), dot(f, f) - r * r);
 }
@@ -102,7 +102,7 @@ struct AlongAxis {
     Vector<E> v, f;
     E v2, fv, dv, a, h, c;  ///< v² p² − s² = a t² + 2 h t + c
 
-    AlongAxis(const Asked<E>& q, const Vector<E>& base, const Vector<E>& top)
+    AlongAxis(const ObjectProblem<E>& q, const Vector<E>& base, const Vector<E>& top)
         : v(top - base), f(q.o - base), v2(dot(v, v)), fv(dot(f, v)), dv(dot(q.d, v)) {
         a = v2 * dot(q.d, q.d) - dv * dv, h = v2 * dot(f, q.d) - fv * dv, c = v2 * dot(f, f) - fv * fv;
     }
@@ -119,12 +119,12 @@ bool is_nothing(const E& a, const E& h, const E& c) {
 }
 
 template <class E>
-First<E> meet_sphere(const Asked<E>& q) {
+First<E> meet_sphere(const ObjectProblem<E>& q) {
     return first_end(ball(q, q.point(0), q.n[3]), q.counted);
 }
 
 template <class E>
-First<E> meet_box(const Asked<E>& q) {
+First<E> meet_box(const ObjectProblem<E>& q) {
     const E o[3] = {q.o.x, q.o.y, q.o.z}, d[3] = {q.d.x, q.d.y, q.d.z};
     Chord<E> inside = all_of_it<E>();
     for (std::size_t i = 0; i < 3; ++i) inside = common(inside, between(o[i] - q.n[i], d[i], q.n[i + 3] - q.n[i]));
@@ -133,7 +133,7 @@ First<E> meet_box(const Asked<E>& q) {
 
 /// Cramer's rule for u (b − a) + v (c − a) − t d = o − a.
 template <class E>
-First<E> meet_triangle(const Asked<E>& q) {
+First<E> meet_triangle(const ObjectProblem<E>& q) {
     const Vector<E> a = q.point(0), e1 = q.point(3) - a, e2 = q.point(6) - a, s = q.o - a;
     const Vector<E> p = cross(q.d, e2), r = cross(s, e1);
     const E det = dot(e1, p), u = dot(s, p), v = dot(q.d, r);
@@ -144,7 +144,7 @@ First<E> meet_triangle(const Asked<E>& q) {
 
 /// With each axis multiplied by the other two radii it is a ball, whose radius is the product of all three.
 template <class E>
-First<E> meet_ellipsoid(const Asked<E>& q) {
+First<E> meet_ellipsoid(const ObjectProblem<E>& q) {
     const E &x = q.n[3], &y = q.n[4], &z = q.n[5];
     const Vector<E> w{y * z, z * x, x * y}, g = q.o - q.point(0);
     const Vector<E> f{w.x * g.x, w.y * g.y, w.z * g.z}, d{w.x * q.d.x, w.y * q.d.y, w.z * q.d.z};
@@ -153,7 +153,7 @@ First<E> meet_ellipsoid(const Asked<E>& q) {
 }
 
 template <class E>
-First<E> meet_cylinder(const Asked<E>& q) {
+First<E> meet_cylinder(const ObjectProblem<E>& q) {
     const AlongAxis<E> axis(q, q.point(0), q.point(3));
     const E c = axis.round(q.n[6]);
     const Chord<E> inside = below(axis.planes(), axis.a, axis.h, c);
@@ -162,7 +162,7 @@ First<E> meet_cylinder(const Asked<E>& q) {
 }
 
 template <class E>
-First<E> meet_capsule(const Asked<E>& q) {
+First<E> meet_capsule(const ObjectProblem<E>& q) {
     const E& r = q.n[6];
     const AlongAxis<E> axis(q, q.point(0), q.point(3));
     const E c = axis.round(r);
@@ -173,7 +173,7 @@ First<E> meet_capsule(const Asked<E>& q) {
 
 /// The wall alone: each root that lies between the planes.
 template <class E>
-First<E> meet_tube(const Asked<E>& q) {
+First<E> meet_tube(const ObjectProblem<E>& q) {
     const AlongAxis<E> axis(q, q.point(0), q.point(3));
     const Chord<E> planes = axis.planes();
     if (!planes || sign(axis.a) == 0) return std::nullopt;
@@ -188,7 +188,7 @@ First<E> meet_tube(const Asked<E>& q) {
 }
 
 template <class E>
-First<E> meet_cone(const Asked<E>& q) {
+First<E> meet_cone(const ObjectProblem<E>& q) {
     const AlongAxis<E> axis(q, q.point(0), q.point(3));
     const E k = q.n[7] - q.n[6], at_o = q.n[6] * axis.v2 + k * axis.fv, change = k * axis.dv;
     const E a = axis.v2 * axis.a - change * change, h = axis.v2 * axis.h - at_o * change;
@@ -200,7 +200,7 @@ First<E> meet_cone(const Asked<E>& q) {
 
 /// m times as far from the centre as the point of the plane, for m = d·n: m f + k d with k = −f·n.
 template <class E>
-First<E> meet_disc(const Asked<E>& q) {
+First<E> meet_disc(const ObjectProblem<E>& q) {
     const Vector<E> f = q.o - q.point(0), n = q.point(3);
     const E m = dot(q.d, n), k = -dot(f, n);
     if (sign(m) == 0) return std::nullopt;
@@ -211,7 +211,7 @@ First<E> meet_disc(const Asked<E>& q) {
 }
 
 template <class E>
-First<E> meet_plane(const Asked<E>& q) {
+First<E> meet_plane(const ObjectProblem<E>& q) {
     const Vector<E> n = q.point(3);
     const E m = dot(q.d, n);
     if (sign(m) == 0) return std::nullopt;
@@ -228,7 +228,7 @@ inline Whole nearest(const Whole&, const Whole&) { return Whole(); }
 /// With p from the centre, R and r the radii and n the axis, the part of p across n has the length ρ, n² ρ² = n² p² −
 /// (n·p)², and (ρ − R)² + (p² − ρ²) = r²: (p² + R² − r²)² = 4 R² ρ².
 template <class E>
-Sturm<E> quartic_of(const Asked<E>& q) {
+Sturm<E> quartic_of(const ObjectProblem<E>& q) {
     const E &major = q.n[6], &minor = q.n[7];
     const Vector<E> f = q.o - q.point(0), n = q.point(3);
     const E a = dot(q.d, q.d), origin = nearest(dot(f, q.d), a), two(2);
@@ -241,7 +241,7 @@ Sturm<E> quartic_of(const Asked<E>& q) {
                     origin);
 }
 template <class E>
-First<E> meet_torus(const Asked<E>& q) {
+First<E> meet_torus(const ObjectProblem<E>& q) {
     const Sturm<E> sturm = quartic_of(q);
     const E& from = number_of(q.counted.from);
     const int before = sturm.up_to(from), index = before + (sturm.is_root(from) && !q.counted.open_from ? 0 : 1);
@@ -251,21 +251,21 @@ First<E> meet_torus(const Asked<E>& q) {
 }
 
 /// A shape in these tests.
-struct Shaped {
+struct ShapeTest {
     std::string_view name;
-    First<Enclosed> (*quickly)(const Asked<Enclosed>&);
-    First<Whole> (*exactly)(const Asked<Whole>&);
+    First<Enclosed> (*quickly)(const ObjectProblem<Enclosed>&);
+    First<Whole> (*exactly)(const ObjectProblem<Whole>&);
 };
-inline constexpr std::array<Shaped, 11> shapes{{{"sphere", meet_sphere, meet_sphere},
-                                                {"box", meet_box, meet_box},
-                                                {"triangle", meet_triangle, meet_triangle},
-                                                {"ellipsoid", meet_ellipsoid, meet_ellipsoid},
-                                                {"cylinder", meet_cylinder, meet_cylinder},
-                                                {"capsule", meet_capsule, meet_capsule},
-                                                {"tube", meet_tube, meet_tube},
-                                                {"cone", meet_cone, meet_cone},
-                                                {"disc", meet_disc, meet_disc},
-                                                {"plane", meet_plane, meet_plane},
-                                                {"torus", meet_torus, meet_torus}}};
+inline constexpr std::array<ShapeTest, 11> shapes{{{"sphere", meet_sphere, meet_sphere},
+                                                   {"box", meet_box, meet_box},
+                                                   {"triangle", meet_triangle, meet_triangle},
+                                                   {"ellipsoid", meet_ellipsoid, meet_ellipsoid},
+                                                   {"cylinder", meet_cylinder, meet_cylinder},
+                                                   {"capsule", meet_capsule, meet_capsule},
+                                                   {"tube", meet_tube, meet_tube},
+                                                   {"cone", meet_cone, meet_cone},
+                                                   {"disc", meet_disc, meet_disc},
+                                                   {"plane", meet_plane, meet_plane},
+                                                   {"torus", meet_torus, meet_torus}}};
 
 }  // namespace lostbits::exact

@@ -26,7 +26,7 @@ namespace {
 constexpr double little = 0x1p-46;
 
 /// Small whole numbers, for which any two different places are farther apart than 2^-44.
-std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
+std::vector<Problem> whole_problems(const ShapeTest& shape, std::size_t count) {
     Chance chance(7);
     std::vector<Problem> some(500), whole;
     const auto is_small = [](double x) { return x == std::floor(x) && std::fabs(x) < 16; };
@@ -44,7 +44,7 @@ std::vector<Problem> whole_problems(const Shaped& shape, std::size_t count) {
 
 /// The primitive without its surface, or without its rim, to within some 2^-44. False if nothing is left.
 bool shrink(std::string_view shape, Problem& problem) {
-    std::array<double, most_primitive>& n = problem.primitive;
+    std::array<double, max_primitive_numbers>& n = problem.primitive;
     const auto closer = [&n](std::size_t i, std::size_t j, double part = little) {
         for (std::size_t k = 0; k < 3; ++k) {
             const double step = part * (n[j + k] - n[i + k]);
@@ -69,11 +69,11 @@ bool shrink(std::string_view shape, Problem& problem) {
     return true;
 }
 
-bool meets(const Shaped& shape, const Problem& problem) { return meet(shape.exactly, problem).is_hit(); }
+bool meets(const ShapeTest& shape, const Problem& problem) { return meet(shape.exactly, problem).is_hit(); }
 
 /// Point at which the ray enters the open primitive. The ray starts a little earlier, so that an exit at its start
 /// counts. A surface without an inside is crossed a little later, since a tube is narrower then.
-First<Whole> meets_open(const Shaped& shape, Problem p) {
+First<Whole> meets_open(const ShapeTest& shape, Problem p) {
     const Shape kind = *shape_named(shape.name);
     const double later = has_inside(kind) ? 0 : 0x1p-24;
     const double back = p.open_tmin ? -later : inside_returns_zero(kind) ? 0 : 0x1p-24;
@@ -82,12 +82,12 @@ First<Whole> meets_open(const Shaped& shape, Problem p) {
     return shrink(shape.name, p) ? meet(shape.exactly, p) : First<Whole>(std::nullopt);
 }
 
-struct Given {
+struct GivenProblem {
     Ray<double> ray;
     Primitive<double> primitive;
     Range<double> range;
 
-    Given(const Shaped& shape, const Problem& problem)
+    GivenProblem(const ShapeTest& shape, const Problem& problem)
         : ray{{problem.ray[0], problem.ray[1], problem.ray[2]}, {problem.ray[3], problem.ray[4], problem.ray[5]}},
           primitive(*shape_named(shape.name)),
           range{problem.tmin, problem.tmax, {problem.open_tmin, problem.open_tmax}} {
@@ -111,7 +111,8 @@ bool is_about(const First<Whole>& first, double t) {
 
 /// Compares rays that only touch the primitive and do not begin inside a torus, whose hole grows. A tube may still be
 /// hit behind its rim, and a torus behind a tangent.
-void hold_touching(const Shaped& shape, const Problem& problem, const Given& given, const Truth& closed, Tally& tally) {
+void hold_touching(const ShapeTest& shape, const Problem& problem, const GivenProblem& given, const Truth& closed,
+                   Tally& tally) {
     const First<Whole> through = meets_open(shape, problem);
     const bool at_once = closed.is_hit() && through.is_hit() && through.side(Whole(number_of(closed) + 0x1p-16)) < 0;
     const Truth open = given.truth(Touching::miss);
@@ -122,8 +123,8 @@ void hold_touching(const Shaped& shape, const Problem& problem, const Given& giv
     ++tally.behind;
 }
 
-void hold(const Shaped& shape, const Problem& problem, Tally& tally) {
-    const Given given(shape, problem);
+void hold(const ShapeTest& shape, const Problem& problem, Tally& tally) {
+    const GivenProblem given(shape, problem);
     const Truth closed = given.truth();
     INFO(paste(shape, problem, {.hit = closed.is_hit()}));
     REQUIRE(closed.is_hit() == meets(shape, problem));
@@ -145,37 +146,37 @@ void hold(const Shaped& shape, const Problem& problem, Tally& tally) {
 }
 
 /// Entry and exit of a ray from outside, if doubles represent both and the ray crosses the surface there.
-struct Crossed {
+struct CrossedSurface {
     double entry, exit;
 };
-std::optional<Crossed> crossed(const Shaped& shape, Problem p) {
+std::optional<CrossedSurface> crossed(const ShapeTest& shape, Problem p) {
     Convention enter, leave;
     enter.inside = Inside::miss, leave.inside = Inside::exit;
-    const Truth first = Given(shape, p).truth(enter);
+    const Truth first = GivenProblem(shape, p).truth(enter);
     if (!first.is_hit() || first.touches || first.on_surface || first.t.is_zero()) return std::nullopt;
     const double entry = number_of(first);
     if (meet(shape.exactly, p).side(Whole(entry)) != 0) return std::nullopt;
     p.tmin = entry, p.open_tmin = true;
-    const Truth last = Given(shape, p).truth(leave);
+    const Truth last = GivenProblem(shape, p).truth(leave);
     const double exit = last.is_hit() && !last.touches ? number_of(last) : 2 * entry;
-    if (!last.is_hit()) return Crossed{entry, exit};
+    if (!last.is_hit()) return CrossedSurface{entry, exit};
     // The range [exit, …) contains the exit only at its beginning, and behind that nothing is hit. Otherwise no double
     // is the exit of the line.
     p.tmin = exit, p.open_tmin = false, has_no_first = false;
     if (!meets(shape, p) || meet(shape.exactly, p).side(Whole(exit)) != 0) return std::nullopt;
     p.open_tmin = inside_returns_zero(*shape_named(shape.name));
     if (p.open_tmin && (meets(shape, p) || has_no_first)) return std::nullopt;
-    return Crossed{entry, exit};
+    return CrossedSurface{entry, exit};
 }
 
 /// Problems whose ranges end and begin where the line enters and leaves, with open ends and without, each with whether
 /// the closed and the open primitive are hit.
-struct AtEnds {
+struct RangeAtEnds {
     std::array<std::vector<Problem>, 4> problems;  ///< by which ends are open
     std::array<std::vector<std::uint8_t>, 4> closed, open;
     std::size_t of_closed = 0, of_open = 0;
 
-    void add(const Shaped& shape, Problem p, const Crossed& at) {
+    void add(const ShapeTest& shape, Problem p, const CrossedSurface& at) {
         const double middle = (at.entry + at.exit) / 2;
         const Range<double> ranges[] = {{0, at.entry},     {at.entry, at.entry}, {at.entry, at.exit}, {0, at.exit},
                                         {middle, at.exit}, {at.exit, HUGE_VAL},  {at.exit, at.exit}};
@@ -186,14 +187,14 @@ struct AtEnds {
                 p.open_tmin = ends % 2 == 1, p.open_tmax = ends >= 2;
                 has_no_first = false;
                 const bool met = meets(shape, p);
-                if (!Given(shape, p).range.holds_any() || has_no_first) continue;
+                if (!GivenProblem(shape, p).range.holds_any() || has_no_first) continue;
                 problems[ends].push_back(p);
                 closed[ends].push_back(met);
                 open[ends].push_back(closed[ends].back() && meets_open(shape, p).is_hit());
             }
         }
     }
-    void hold(const Shaped& shape) {
+    void hold(const ShapeTest& shape) {
         std::vector<std::uint8_t> hits;
         for (std::size_t ends = 0; ends < 4; ++ends)
             for (const bool with_rim : {true, false}) {
@@ -210,8 +211,8 @@ struct AtEnds {
 private:
     /// Tests each ray alone, from each side, and with the properties about an inside, which do not matter for a ray
     /// that comes from outside.
-    void hold(const Shaped& shape, const Problem& problem, bool with_rim, bool right) {
-        const Given given(shape, problem);
+    void hold(const ShapeTest& shape, const Problem& problem, bool with_rim, bool right) {
+        const GivenProblem given(shape, problem);
         Convention asked(with_rim ? Touching::hit : Touching::miss);
         INFO(paste(shape, problem, {.hit = right}) << (with_rim ? "" : ", open"));
         REQUIRE(given.truth(asked).is_hit() == right);
@@ -234,8 +235,8 @@ private:
 
 TEST_CASE("exact: a ray that ends where it enters a primitive touches it", "[exact]") {
     const auto before = intersect::simd::current_isa();
-    for (const Shaped& shape : shapes) {
-        AtEnds all;
+    for (const ShapeTest& shape : shapes) {
+        RangeAtEnds all;
         // A torus is slow, and few rays with whole numbers meet a triangle at a whole number.
         const std::size_t count = shape.name == "torus" ? 5000 : shape.name == "triangle" ? 100000 : 50000;
         for (const Problem& problem : whole_problems(shape, test::draws(count)))
@@ -251,7 +252,7 @@ TEST_CASE("exact: a ray that ends where it enters a primitive touches it", "[exa
 
 TEST_CASE("exact: rays that touch a primitive or begin on or in it are recognised and follow the convention",
           "[exact]") {
-    for (const Shaped& shape : shapes) {
+    for (const ShapeTest& shape : shapes) {
         Tally tally;
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 10000U : 30000U});
         for (const Problem& problem : whole_problems(shape, count)) hold(shape, problem, tally);
@@ -281,14 +282,14 @@ TEST_CASE("exact: a ray through an excluded rim of a tube hits the far wall", "[
 }
 
 TEST_CASE("exact: t in formats of few bits is the nearest number, or the even one of two", "[exact]") {
-    for (const Shaped& shape : shapes) {
+    for (const ShapeTest& shape : shapes) {
         std::size_t asked = 0, ties = 0;
         Chance chance(11);
         for (Problem p : whole_problems(shape, test::draws(std::size_t{6000}))) {
             // From so far away that t has a few bits more than the formats have.
             const int back = chance.below(5000);
             for (std::size_t i = 0; i < 3; ++i) p.ray[i] -= back * p.ray[3 + i];
-            const Given given(shape, p);
+            const GivenProblem given(shape, p);
             const Truth truth = given.truth();
             if (!truth.is_hit()) continue;
             const First<Whole> right = meet(shape.exactly, p);
@@ -316,7 +317,7 @@ TEST_CASE("exact: t in formats of few bits is the nearest number, or the even on
 
 TEST_CASE("exact: packs decide as single rays with every instruction set", "[exact]") {
     const auto before = intersect::simd::current_isa();
-    for (const Shaped& shape : shapes) {
+    for (const ShapeTest& shape : shapes) {
         Chance chance(8);
         std::vector<Problem> problems(test::draws(std::size_t{5000}));
         std::vector<std::uint8_t> hits;
@@ -326,7 +327,8 @@ TEST_CASE("exact: packs decide as single rays with every instruction set", "[exa
             for (const bool with_rim : {true, false}) {
                 std::vector<std::uint8_t> alone;
                 for (const Problem& problem : problems)
-                    alone.push_back(Given(shape, problem).truth(with_rim ? Touching::hit : Touching::miss).is_hit());
+                    alone.push_back(
+                        GivenProblem(shape, problem).truth(with_rim ? Touching::hit : Touching::miss).is_hit());
                 for (const auto isa : intersect::simd::available_isas()) {
                     intersect::simd::set_isa(isa);
                     decide(shape.name, TruthRoute::floats_for_ulps, with_rim, problems, hits);

@@ -15,7 +15,7 @@ using namespace lostbits::exact;
 namespace {
 
 constexpr std::size_t batch = 1000;
-const Shaped& triangle = shapes[2];
+const ShapeTest& triangle = shapes[2];
 
 /// Interval of batches whose t is checked too, and which the slower program decides as well.
 constexpr std::size_t each_wholly = 64;
@@ -26,7 +26,7 @@ struct Tally {
 
     void add(const std::vector<Problem>& problems, const std::vector<std::uint8_t>& hit, bool with_rim = true) {
         for (std::size_t i = 0; i < problems.size(); ++i) {
-            const Passing right = pass(problems[i]);
+            const PassingRay right = pass(problems[i]);
             const int touched = right.touched();
             ++asked, ++by[right.by];
             hits += hit[i], edges += touched == 1, vertices += touched == 2, begin += right.meets() && right.ahead == 0;
@@ -112,7 +112,7 @@ TEST_CASE("exact: a sign that is wrong at zero is detected", "[exact][edges]") {
     for (std::size_t sign = 0; sign < 4; ++sign) {
         std::vector<std::uint8_t> hit;
         for (const Problem& problem : problems) {
-            const Passing right = pass(problem);
+            const PassingRay right = pass(problem);
             hit.push_back(right.meets() && (sign < 3 ? right.edges[sign] : right.ahead) != 0);
         }
         Tally tally;

@@ -25,7 +25,7 @@ constexpr std::size_t each_exactly = 1000;
 struct Tally {
     std::size_t asked = 0, hits = 0, exactly = 0;
 
-    void ask_some(const Shaped& shape, TruthRoute way, std::vector<Problem>& problems) {
+    void ask_some(const ShapeTest& shape, TruthRoute way, std::vector<Problem>& problems) {
         static std::vector<Answer> answers;
         ask(shape.name, way, problems, answers);
         const Findings found = check(shape, problems, answers, tightness_of(way), each_exactly);
@@ -38,7 +38,7 @@ struct Tally {
 
 /// The routes by turns, and every combination of open ends.
 template <class Draw>
-Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<TruthRoute> ways,
+Tally ask_all(const ShapeTest& shape, std::size_t rays, std::uint64_t seed, std::initializer_list<TruthRoute> ways,
               Draw draw) {
     Tally tally;
     Chance chance(seed);
@@ -57,7 +57,7 @@ Tally ask_all(const Shaped& shape, std::size_t rays, std::uint64_t seed, std::in
 /// Draws problems and gives them transforms of every kind in turn, or of every kind but inverses.
 template <class Draw, class Place>
 auto transformed(const Draw& draw, const Place& place, bool inverses = true) {
-    return [draw, place, inverses, drawn = 0](const Shaped& shape, bool floats, Ends ends, Chance& chance,
+    return [draw, place, inverses, drawn = 0](const ShapeTest& shape, bool floats, Ends ends, Chance& chance,
                                               std::vector<Problem>& problems) mutable {
         draw(shape, floats, ends, chance, problems);
         const int kind = drawn++ % 4;  // and for three routes: every pair after twelve batches
@@ -67,7 +67,7 @@ auto transformed(const Draw& draw, const Place& place, bool inverses = true) {
 }
 
 template <class Random, class Made, class Through>
-void hold(const Shaped& shape, std::size_t rays, const Random& draw_random, const Made& draw_made,
+void hold(const ShapeTest& shape, std::size_t rays, const Random& draw_random, const Made& draw_made,
           const Through& draw_through) {
     const auto ways = {TruthRoute::floats_for_ulps, TruthRoute::floats, TruthRoute::doubles};
     const Tally random = ask_all(shape, rays, 1, ways, draw_random);
@@ -86,9 +86,9 @@ void hold(const Shaped& shape, std::size_t rays, const Random& draw_random, cons
     }
 }
 
-void hold(const Shaped& shape) { hold(shape, rays_or(40'000), draw_random, draw_made, draw_random); }
+void hold(const ShapeTest& shape) { hold(shape, rays_or(40'000), draw_random, draw_made, draw_random); }
 
-void hold_transformed(const Shaped& shape) {
+void hold_transformed(const ShapeTest& shape) {
     hold(shape, rays_or(12'000), transformed(draw_random, place_at_random), transformed(draw_made, place_as_made),
          transformed(draw_random, place_at_random, false));
 }
@@ -100,8 +100,8 @@ TEST_CASE("exact: every shape is tested here", "[exact]") {
     REQUIRE(there.size() == shapes.size());
     for (const auto& [name, numbers] : there) {
         INFO(name);
-        CHECK(numbers <= most_primitive);
-        CHECK(std::ranges::count(shapes, name, &Shaped::name) == 1);
+        CHECK(numbers <= max_primitive_numbers);
+        CHECK(std::ranges::count(shapes, name, &ShapeTest::name) == 1);
     }
 }
 
@@ -133,7 +133,7 @@ TEST_CASE("exact: nothing is hit under a singular matrix", "[exact]") {
     Chance chance(6);
     std::vector<Problem> problems(500);
     std::vector<Answer> answers;
-    for (const Shaped& shape : shapes)
+    for (const ShapeTest& shape : shapes)
         for (const bool is_inverse : {false, true}) {
             draw_made(shape, false, {}, chance, problems);
             place_as_made(false, {.is_inverse = is_inverse}, chance, problems);
@@ -204,7 +204,7 @@ TEST_CASE("exact: entries of a box are distinguished where their products underf
 TEST_CASE("exact: a slightly wrong answer is detected, quickly and exactly", "[exact]") {
     Chance chance(5);
     std::vector<Answer> answers;
-    for (const Shaped& shape : shapes)
+    for (const ShapeTest& shape : shapes)
         for (const bool made : {false, true}) {
             // A torus takes as long as thirty other primitives.
             std::vector<Problem> problems(shape.name == "torus" ? 500 : 2000);

@@ -35,7 +35,7 @@ void for_each_filter(const Visit& visit) {
     std::size_t filters = 0;
     for (const Intersector& form : intersect::table::catalogue())
         if (form.deciding_arithmetic)
-            visit(form, *std::ranges::find(shapes, name_of(form.shape), &Shaped::name)), ++filters;
+            visit(form, *std::ranges::find(shapes, name_of(form.shape), &ShapeTest::name)), ++filters;
     CHECK(filters == shapes.size());
 }
 
@@ -77,14 +77,14 @@ Answer answer_of(bool hit, double t, const FloatFormat& format, bool own_steps) 
     return a;
 }
 /// Answers and the expected answers: all except hits at infinity.
-struct ToCheck {
+struct CheckedForm {
     std::vector<Problem> problems;
     std::vector<Answer> answers;
     std::size_t hits = 0, endless = 0;
 
     template <class F>
-    ToCheck(const Intersector& form, const FloatFormat& format, std::span<const Problem> all,
-            const std::vector<Hit<F>>& found) {
+    CheckedForm(const Intersector& form, const FloatFormat& format, std::span<const Problem> all,
+                const std::vector<Hit<F>>& found) {
         for (std::size_t i = 0; i < found.size(); ++i) {
             const double t = static_cast<double>(found[i].t);
             hits += found[i].hit;
@@ -94,7 +94,7 @@ struct ToCheck {
                     answers.push_back(answer_of(found[i].hit, t, format, has_own_steps(form.shape)));
         }
     }
-    [[nodiscard]] std::string words_of_first(const Shaped& shape, const Findings& f) const {
+    [[nodiscard]] std::string words_of_first(const ShapeTest& shape, const Findings& f) const {
         return std::string(words_of(f.fault)) + "\n" + paste(shape, problems[f.first], answers[f.first]);
     }
 };
@@ -153,7 +153,7 @@ std::size_t differing(const Intersector& form, const Problem& problem) {
 
 /// Checks the rays that `draw(problems)` fills a batch with.
 template <class F, class Draw>
-Tally ask_all(const Intersector& form, const Shaped& shape, std::size_t rays, const Draw& draw) {
+Tally ask_all(const Intersector& form, const ShapeTest& shape, std::size_t rays, const Draw& draw) {
     Tally tally;
     std::vector<Problem> problems(std::min(batch, rays));
     while (tally.asked < rays) {
@@ -165,8 +165,8 @@ Tally ask_all(const Intersector& form, const Shaped& shape, std::size_t rays, co
             primitives.push_back(primitive_of<F>(form, problem));
         }
         if (tally.asked == 0) add_ways<F>(form, problems, tally);
-        const ToCheck all(form, sizeof(F) == 4 ? binary32 : binary64, problems,
-                          ask<F>(kernel_of<F>(form, Isa::scalar), problems, primitives));
+        const CheckedForm all(form, sizeof(F) == 4 ? binary32 : binary64, problems,
+                              ask<F>(kernel_of<F>(form, Isa::scalar), problems, primitives));
         const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 200);
         if (tally.wrong == 0 && f.differ > 0) tally.first = all.words_of_first(shape, f);
         tally.hits += all.hits, tally.endless += all.endless;
@@ -207,7 +207,7 @@ constexpr std::array<Shares, 11> least{{{"sphere", 610, 830, 290, 400, 3, 440},
 
 template <class F>
 void hold(bool made) {
-    for_each_filter([made](const Intersector& form, const Shaped& shape) {
+    for_each_filter([made](const Intersector& form, const ShapeTest& shape) {
         // A torus takes as long to check as thirty other primitives, and t of every twentieth is too large.
         const bool slow = form.shape == Shape::torus;
         Chance chance(made ? 2 : 1);
@@ -267,7 +267,7 @@ TEMPLATE_TEST_CASE("exact: the filter of tori decides right if touched in one po
 
 /// The same formula without a filter: the test shows why a filter is needed.
 TEST_CASE("exact: a filter's formula alone gives wrong answers", "[exact][filtered]") {
-    for_each_filter([](const Intersector& form, const Shaped& shape) {
+    for_each_filter([](const Intersector& form, const ShapeTest& shape) {
         if (has_own_steps(form.shape)) return;
         Chance chance(3);
         std::vector<Problem> problems(batch);
@@ -292,7 +292,7 @@ TEST_CASE("exact: a filter's formula alone gives wrong answers", "[exact][filter
 /// Formats that no register holds, with whole numbers that they represent.
 TEST_CASE("exact: filters decide right and keep their bits in p16 and fp16", "[exact][filtered]") {
     for (const char* const name : {"p16", "fp16"})
-        for_each_filter([name](const Intersector& form, const Shaped& shape) {
+        for_each_filter([name](const Intersector& form, const ShapeTest& shape) {
             const FloatFormat format = find_format(name)->parameters;
             const auto is_held = [&](double x) { return std::fabs(x) < 64 && rounding::to_format(x, 0, format) == x; };
             Chance chance(5);
@@ -306,7 +306,7 @@ TEST_CASE("exact: filters decide right and keep their bits in p16 and fp16", "[e
                 asked.push_back(problem), primitives.push_back(primitive_of<double>(form, problem));
             }
             const auto in_format = [&](const auto&... batch_of) { form.rounded(format, batch_of...); };
-            const ToCheck all(form, format, asked, ask<double>(in_format, asked, primitives));
+            const CheckedForm all(form, format, asked, ask<double>(in_format, asked, primitives));
             const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 20);
             INFO(form.info->name << " in " << name << ": " << all.problems.size() << " rays, " << all.hits << " hits; "
                                  << all.words_of_first(shape, f));

@@ -30,7 +30,7 @@ Ray<T> ray_of(const Problem& problem) {
     return {{T(problem.ray[0]), T(problem.ray[1]), T(problem.ray[2])},
             {T(problem.ray[3]), T(problem.ray[4]), T(problem.ray[5])}};
 }
-Primitive<double> primitive_of(const Shaped& shape, const Problem& problem) {
+Primitive<double> primitive_of(const ShapeTest& shape, const Problem& problem) {
     Primitive<double> primitive(*shape_named(shape.name));
     for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = problem.primitive[k];
     return primitive;
@@ -38,7 +38,7 @@ Primitive<double> primitive_of(const Shaped& shape, const Problem& problem) {
 
 /// True if no decision is near: rays on both sides of it, changed by up to 2^-14 of all lengths, hit or miss the
 /// primitive as it does. A component of the direction that is 0 stays 0.
-bool is_clear(const Shaped& shape, const Problem& problem, Chance& chance) {
+bool is_clear(const ShapeTest& shape, const Problem& problem, Chance& chance) {
     double reach = 0;
     for (std::size_t i = 0; i < 3; ++i) reach = std::fmax(reach, std::fabs(problem.ray[i]));
     for (const double x : problem.primitive) reach = std::fmax(reach, std::fabs(x));
@@ -58,7 +58,7 @@ bool is_clear(const Shaped& shape, const Problem& problem, Chance& chance) {
 }
 
 /// Problems of a kind without a near decision, at least half of them hits.
-std::vector<Problem> clear_problems(const Shaped& shape, bool made, std::size_t count) {
+std::vector<Problem> clear_problems(const ShapeTest& shape, bool made, std::size_t count) {
     Chance chance(made ? 2 : 1);
     std::vector<Problem> some(200), clear;
     std::size_t misses = 0;
@@ -91,7 +91,7 @@ Answer answer_of(bool hit, const Real& t) {
 }
 
 /// Answer of a form without rounding. A number is empty if it is not known to 2^-200.
-struct Unrounded {
+struct UnroundedForm {
     std::optional<bool> hit;
     std::optional<Real> t, near, far;
 };
@@ -107,14 +107,14 @@ std::optional<Real> number_of(const Interval& x) {
 
 /// `size`: the number by which t is divided.
 template <class T>
-Unrounded told(const Hit<T>& hit, const T& size) {
+UnroundedForm told(const Hit<T>& hit, const T& size) {
     if (!is_certain(hit.hit) && !is_certain(!hit.hit)) return {};
     return {is_certain(hit.hit), number_of(hit.t / size), number_of(hit.near / size), number_of(hit.far / size)};
 }
 
 /// `made_unit`: for the normalised direction, in lengths of the stored direction.
 template <class T, class Form>
-Unrounded unrounded_in(const Problem& problem, bool made_unit, const Form& form) {
+UnroundedForm unrounded_in(const Problem& problem, bool made_unit, const Form& form) {
     Ray<T> ray = ray_of<T>(problem);
     if (!made_unit) return told(form(ray), T(1));
     const T size = length(ray.direction);
@@ -124,8 +124,8 @@ Unrounded unrounded_in(const Problem& problem, bool made_unit, const Form& form)
 
 /// Computes a form without rounding. Enclosures do not decide solvers of degree four, so forms of tori are computed in
 /// numbers of 256 bits, and all others in intervals of 400 bits, which are compiled already.
-Unrounded unrounded(const Intersector& form, const Shaped& shape, const Problem& problem, bool made_unit) {
-    Unrounded found;
+UnroundedForm unrounded(const Intersector& form, const ShapeTest& shape, const Problem& problem, bool made_unit) {
+    UnroundedForm found;
     if (form.shape == Shape::torus) {
         intersect::torus::TorusForms::for_each([&]<class Form>() {
             if (&Form::info != form.info) return;
@@ -151,7 +151,7 @@ struct Tally {
 };
 
 /// True if this problem is among those for which a form promises an answer without rounding.
-bool is_requested(const intersect::Info& form, const Shaped& shape, const Problem& problem, bool made) {
+bool is_requested(const intersect::Info& form, const ShapeTest& shape, const Problem& problem, bool made) {
     // This form treats a root d1 with |d1| < 1e-4 as 0: test_tori has the consequences.
     if (form.name == "torus.quilez") return false;
     // If two real roots are equal, the last remainder is 0. Rounded in any precision, it has a sign, which decides.
@@ -172,8 +172,8 @@ bool is_requested(const intersect::Info& form, const Shaped& shape, const Proble
 
 /// Adds the first t at which the form meets the ray. A form with both roots is also asked for the last one: it is the
 /// first of the ray that comes back.
-void ask(const Intersector& form, const Shaped& shape, const Problem& problem, Tally& tally) {
-    const Unrounded h = unrounded(form, shape, problem, form.info->direction == Direction::unit);
+void ask(const Intersector& form, const ShapeTest& shape, const Problem& problem, Tally& tally) {
+    const UnroundedForm h = unrounded(form, shape, problem, form.info->direction == Direction::unit);
     if (!h.hit || (*h.hit && !h.t)) return;
     ++tally.asked, tally.hits += *h.hit;
     tally.add(problem, answer_of(*h.hit, h.t.value_or(Real(0))));
@@ -211,7 +211,7 @@ struct Enclosures {
     std::size_t doubles = 0;                        ///< that intervals of 53 bits were held against
 
     template <class E>
-    void hold(const Hit<E>& got, const Unrounded& want, std::optional<bool>& verdict) {
+    void hold(const Hit<E>& got, const UnroundedForm& want, std::optional<bool>& verdict) {
         const auto misses = [](const E& x, const std::optional<Real>& v) { return v && !contains(x, *v); };
         if (want.hit && (*want.hit || !by_other_steps))
             wrong += misses(got.t, want.t) || misses(got.near, want.near) || misses(got.far, want.far);
@@ -240,12 +240,12 @@ struct Enclosures {
         wrong += (got.hit.is_yes() && hit == 0) || (got.hit.is_no() && hit != 0) || misses(got.t, want.t) ||
                  misses(got.near, want.near) || misses(got.far, want.far);
     }
-    void ask(const Intersector& row, const Shaped& shape, Problem p) {
+    void ask(const Intersector& row, const ShapeTest& shape, Problem p) {
         if (row.info->direction == Direction::unit) {
             const double size = length(ray_of<double>(p).direction);
             for (std::size_t i = 3; i < 6; ++i) p.ray[i] /= size;
         }
-        const Unrounded want = unrounded(row, shape, p, false);
+        const UnroundedForm want = unrounded(row, shape, p, false);
         const auto target = [primitive = primitive_of(shape, p)]<class E>(const E&) {
             return convert_numbers(primitive, [](double x) { return E(x); });
         };
@@ -288,7 +288,7 @@ Decided min_decided(std::string_view form) {
 }  // namespace
 
 TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]") {
-    for (const Shaped& shape : shapes) {
+    for (const ShapeTest& shape : shapes) {
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 1000U : 10000U});
         const std::vector<Problem> random = clear_problems(shape, false, count),
                                    made = clear_problems(shape, true, count);
@@ -313,7 +313,7 @@ TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]"
 }
 
 TEST_CASE("exact: enclosures of every form contain its unrounded result", "[exact][forms]") {
-    for (const Shaped& shape : shapes) {
+    for (const ShapeTest& shape : shapes) {
         const std::size_t count = test::draws(std::size_t{shape.name == "torus" ? 500U : 1000U});
         std::vector<Problem> problems = clear_problems(shape, false, count);
         // A ray along a plane divides by 0, and solvers of degree four divide by numbers that may be 0 within their

@@ -40,7 +40,7 @@ Ray<double> ray_of(const Problem& problem) {
 }
 template <class E>
 std::pair<int, int> roots_in(const Problem& problem) {
-    const Sturm<E> quartic = quartic_of(Asked<E>(problem));
+    const Sturm<E> quartic = quartic_of(ObjectProblem<E>(problem));
     return {quartic.all(), quartic.all() - quartic.up_to(E())};
 }
 /// Number of roots, and number of roots ahead.

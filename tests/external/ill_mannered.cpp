@@ -80,9 +80,9 @@ void behave(const char* when) {
         });
 }
 
-struct Loaded {
-    Loaded() { behave("load"); }
-    ~Loaded() { behave("unload"); }
+struct LoadTimeActions {
+    LoadTimeActions() { behave("load"); }
+    ~LoadTimeActions() { behave("unload"); }
 } const loaded;
 
 Answer<float> right(const Ray<float>& ray, const Sphere<float>& sphere) {

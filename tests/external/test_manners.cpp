@@ -42,7 +42,7 @@ std::vector<int> marked(const std::string& mark) {
     return found;
 }
 
-struct Ran {
+struct RunResult {
     Outcome outcome;
     bool has_results = false;  ///< all of them, where they belong
 };
@@ -54,15 +54,15 @@ void wait_for_all_ends(const std::string& mark) {
 }
 
 /// A command with the library, ill-mannered in one way; no process may be left, and no half-written file.
-Ran run_with(const std::string& manner, const std::string& words, const std::string& before = "",
-             bool claim_holds = true) {
+RunResult run_with(const std::string& manner, const std::string& words, const std::string& before = "",
+                   bool claim_holds = true) {
     const Scratch folder;
     const std::string mark = "ILL_RUN=" + folder.path().string();
     const bool checks = words.starts_with("check"), tries = words.starts_with("plugin");
     const std::string command = tries    ? words
                                 : checks ? words + " " + claims(folder, claim_holds) + " --junit out.xml"
                                          : words + " near-benign --size 16x16 -i ill.right -f f32 -o out";
-    Ran ran;
+    RunResult ran;
     ran.outcome = run(command + " --time-limit 3 --plugin " + library, folder.path(),
                       before + " export ILL_MANNER='" + manner + "' " + mark + ";");
     INFO(manner << " | " << before << words << " | " << ran.outcome.code << " | " << ran.outcome.err);
@@ -75,25 +75,25 @@ Ran run_with(const std::string& manner, const std::string& words, const std::str
 }
 
 /// Each action alone, in the program and in child processes.
-struct Way {
+struct RunMode {
     const char *words, *before;
     bool isolated;
 };
-const std::vector<Way> ways{{"map", "", false},
-                            {"map", "export CI=1;", true},
-                            {"map --isolate", "", true},
-                            {"check", "", true},
-                            {"check --in-process", "", false},
-                            {"check --in-process", "export CI=true;", false},
-                            {"plugin check", "", false},
-                            {"plugin check", "export CI=true;", true}};
+const std::vector<RunMode> ways{{"map", "", false},
+                                {"map", "export CI=1;", true},
+                                {"map --isolate", "", true},
+                                {"check", "", true},
+                                {"check --in-process", "", false},
+                                {"check --in-process", "export CI=true;", false},
+                                {"plugin check", "", false},
+                                {"plugin check", "export CI=true;", true}};
 
 /// Each of these manners, in every way to load the library.
 template <class See>
 void in_every_way(const std::vector<std::string>& manners, const See& see) {
     for (const std::string& manner : manners) {
-        for (const Way& way : ways) {
-            const Ran ran = run_with(manner, way.words, way.before);
+        for (const RunMode& way : ways) {
+            const RunResult ran = run_with(manner, way.words, way.before);
             INFO(manner << " | " << way.before << way.words << " | " << ran.outcome.err);
             see(manner, way, ran);
         }
@@ -106,7 +106,7 @@ TEST_CASE("manners: a library that ends the program makes it exit with 3 and the
     in_every_way(
         {"load _exit", "load quick_exit", "load exit", "load crash in a thread", "call _exit", "call quick_exit",
          "call exit", "call crash in a thread", "load throw in a thread", "call throw in a thread"},
-        [](const std::string&, const Way&, const Ran& ran) {
+        [](const std::string&, const RunMode&, const RunResult& ran) {
             CHECK(ran.outcome.code == 3);
             CHECK(has(ran.outcome.err, "ill_mannered.so"));
             CHECK_FALSE(ran.has_results);
@@ -115,18 +115,19 @@ TEST_CASE("manners: a library that ends the program makes it exit with 3 and the
 }
 
 TEST_CASE("manners: environment variables set by a library do not change where data is found", "[external]") {
-    in_every_way({"load setenv", "call setenv"}, [](const std::string&, const Way&, const Ran& ran) {
+    in_every_way({"load setenv", "call setenv"}, [](const std::string&, const RunMode&, const RunResult& ran) {
         CHECK(ran.outcome.code == 0);
         CHECK(ran.has_results);
     });
 }
 
 TEST_CASE("manners: events after the results change neither them nor the exit status", "[external]") {
-    in_every_way({"load crash at exit", "call crash at exit"}, [](const std::string&, const Way& way, const Ran& ran) {
-        CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
-        CHECK(ran.has_results);
-        if (!way.isolated) CHECK(has(ran.outcome.err, "ill_mannered.so: crashed while the program ended"));
-    });
+    in_every_way({"load crash at exit", "call crash at exit"},
+                 [](const std::string&, const RunMode& way, const RunResult& ran) {
+                     CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
+                     CHECK(ran.has_results);
+                     if (!way.isolated) CHECK(has(ran.outcome.err, "ill_mannered.so: crashed while the program ended"));
+                 });
     for (const char* words : {"check", "check --in-process"}) {
         INFO("unload throw | " << words);
         CHECK(run_with("unload throw", words).outcome.code == (std::string(words) == "check" ? 0 : 3));
@@ -143,7 +144,7 @@ TEST_CASE("manners: events after the results change neither them nor the exit st
 TEST_CASE("manners: a forked copy of the program that returns does not continue the run", "[external]") {
     in_every_way({"load fork", "call fork", "load fork and exit", "call fork and exit", "load fork and stay",
                   "call fork and stay", "load fork and setsid", "call fork and setsid"},
-                 [](const std::string& manner, const Way&, const Ran& ran) {
+                 [](const std::string& manner, const RunMode&, const RunResult& ran) {
                      CHECK(ran.outcome.code == 0);
                      CHECK(ran.has_results);
                      if (manner.ends_with("fork")) CHECK(has(ran.outcome.err, "ill_mannered.so"));
@@ -151,15 +152,16 @@ TEST_CASE("manners: a forked copy of the program that returns does not continue 
 }
 
 TEST_CASE("manners: results go where -o says even if a library changes the folder", "[external]") {
-    in_every_way({"load chdir", "call chdir", "load umask", ""}, [](const std::string&, const Way&, const Ran& ran) {
-        CHECK(ran.outcome.code == 0);
-        CHECK(ran.has_results);
-        CHECK(ran.outcome.err.empty());
-    });
+    in_every_way({"load chdir", "call chdir", "load umask", ""},
+                 [](const std::string&, const RunMode&, const RunResult& ran) {
+                     CHECK(ran.outcome.code == 0);
+                     CHECK(ran.has_results);
+                     CHECK(ran.outcome.err.empty());
+                 });
 }
 
 TEST_CASE("manners: standard output closed by a library is an error, and does not end up in a file", "[external]") {
-    in_every_way({"load close"}, [](const std::string&, const Way& way, const Ran& ran) {
+    in_every_way({"load close"}, [](const std::string&, const RunMode& way, const RunResult& ran) {
         if (std::string(way.words) == "plugin check") return;
         CHECK(ran.outcome.code == (way.isolated ? 0 : 3));
         if (!way.isolated) CHECK(has(ran.outcome.err, "standard output: cannot write"));
@@ -169,7 +171,7 @@ TEST_CASE("manners: standard output closed by a library is an error, and does no
 TEST_CASE("manners: a library that closes the program's own file descriptors makes it exit with 3 and a name",
           "[external]") {
     in_every_way({"load close all", "call close all", "load close files", "call close files"},
-                 [](const std::string& manner, const Way& way, const Ran& ran) {
+                 [](const std::string& manner, const RunMode& way, const RunResult& ran) {
                      // Behind a pipe, a library has no descriptor of the program except the pipe.
                      if (way.isolated && manner.ends_with("files")) return;
                      CHECK(ran.outcome.code == 3);
@@ -181,8 +183,8 @@ TEST_CASE("manners: a library that closes the program's own file descriptors mak
 
 TEST_CASE("manners: a program stopped by a library does not wait for ever", "[external]") {
     for (const std::string manner : {"load stop", "call stop"}) {
-        for (const Way& way : {ways[0], ways[2]}) {
-            const Ran ran = run_with(manner, way.words, way.before);
+        for (const RunMode& way : {ways[0], ways[2]}) {
+            const RunResult ran = run_with(manner, way.words, way.before);
             INFO(manner << " | " << way.words << " | " << ran.outcome.err);
             CHECK(ran.outcome.code == 3);
             CHECK(has(ran.outcome.err, "ill_mannered.so"));
@@ -193,11 +195,12 @@ TEST_CASE("manners: a program stopped by a library does not wait for ever", "[ex
 }
 
 TEST_CASE("manners: limits lowered by a library affect that library only", "[external]") {
-    in_every_way({"load lower limits", "call lower limits"}, [](const std::string&, const Way&, const Ran& ran) {
-        CHECK(ran.outcome.code == 0);
-        CHECK(ran.has_results);
-        CHECK(ran.outcome.err.empty());
-    });
+    in_every_way({"load lower limits", "call lower limits"},
+                 [](const std::string&, const RunMode&, const RunResult& ran) {
+                     CHECK(ran.outcome.code == 0);
+                     CHECK(ran.has_results);
+                     CHECK(ran.outcome.err.empty());
+                 });
 }
 
 TEST_CASE("manners: a library of formulas is loaded into the program, and the output says so", "[external]") {
@@ -222,9 +225,9 @@ TEST_CASE("manners: signals reach the working process once each, and it ends wit
             const std::string mark = "ILL_RUN=" + folder.path().string();
             setenv("ILL_MANNER", "call stay", 1);
             setenv("ILL_RUN", folder.path().c_str(), 1);
-            Started run({"map", "near-benign", "--size", "16x16", "-i", "ill.right", "-f", "f32", "-o", "out",
-                         "--plugin", library, "--time-limit", "60"},
-                        folder.path());
+            StartedProgram run({"map", "near-benign", "--size", "16x16", "-i", "ill.right", "-f", "f32", "-o", "out",
+                                "--plugin", library, "--time-limit", "60"},
+                               folder.path());
             REQUIRE(run.wait_until([&mark] { return marked(mark).size() == 2; }));
             const std::vector<int> both = marked(mark);
             for (const int process : both) {

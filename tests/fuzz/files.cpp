@@ -26,19 +26,19 @@ namespace lostbits::fuzz {
 namespace {
 
 /// A folder of links to the file in memory, with names that end as a reader requires.
-class Links {
+class LinkTree {
 public:
-    explicit Links(std::string file) : file_(std::move(file)) {
+    explicit LinkTree(std::string file) : file_(std::move(file)) {
         std::string name = (std::filesystem::temp_directory_path() / "lostbits-fuzz-XXXXXX").string();
         if (!mkdtemp(name.data())) throw std::runtime_error("no folder for the names of files in memory");
         folder_ = name;
     }
-    ~Links() {
+    ~LinkTree() {
         std::error_code ignored;
         std::filesystem::remove_all(folder_, ignored);
     }
-    Links(const Links&) = delete;
-    Links& operator=(const Links&) = delete;
+    LinkTree(const LinkTree&) = delete;
+    LinkTree& operator=(const LinkTree&) = delete;
     [[nodiscard]] std::filesystem::path ending_in(std::string_view extension) const {
         const std::filesystem::path link = folder_ / ("input" + std::string(extension));
         if (!std::filesystem::is_symlink(link)) std::filesystem::create_symlink(file_, link);
@@ -63,7 +63,7 @@ std::filesystem::path file_of(std::string_view bytes, std::string_view extension
     }
     const std::string path = "/proc/self/fd/" + std::to_string(file);
     if (extension.empty()) return path;
-    static const Links links(path);
+    static const LinkTree links(path);
     return links.ending_in(extension);
 }
 

@@ -15,12 +15,12 @@ using B = Bounded<Tiny>;
 
 /// A number with an error, and exact numbers that it may stand for: multiples of 2^-10 that are small enough for their
 /// products and sums to be doubles.
-struct Known {
+struct KnownPair {
     B number;
     std::vector<double> points;
 };
 
-Known known(double value, double error) {
+KnownPair known(double value, double error) {
     const B number{Tiny(value), Tiny(error)};
     if (error == 0) return {number, {value}};
     if (error < HUGE_VAL) return {number, {value - error, value, value + error}};
@@ -37,8 +37,8 @@ std::vector<double> all_values(bool negative_too) {
     return values;
 }
 
-std::vector<Known> operands(bool negative_too) {
-    std::vector<Known> all;
+std::vector<KnownPair> operands(bool negative_too) {
+    std::vector<KnownPair> all;
     for (const double value : all_values(negative_too)) {
         for (const double error : {0.0, Tiny::least, 2 * Tiny::least, 3 * Tiny::least, 0x1p-6, 0x1.2p-4, 0x1.cp-1, 1.0,
                                    7.5, 16.0, HUGE_VAL}) {
@@ -80,7 +80,7 @@ constexpr std::array<const char*, count> asked_names{"a + b", "a - b",    "a * b
                                                      "max",   "copysign", "select", "a < b", "a <= b"};
 
 /// Counts, for each operation of two numbers, the points that its result does not enclose.
-void try_pair(const Known& a, const Known& b, std::array<long, count>& broken) {
+void try_pair(const KnownPair& a, const KnownPair& b, std::array<long, count>& broken) {
     const BoundedMask lower = a.number < b.number, no_higher = a.number <= b.number;
     const B results[] = {a.number + b.number,          a.number - b.number,
                          a.number * b.number,          a.number / b.number,
@@ -103,10 +103,10 @@ void try_pair(const Known& a, const Known& b, std::array<long, count>& broken) {
 }  // namespace
 
 TEST_CASE("four bits: every bound of a pair holds and every proved comparison is right", "[number][bounded]") {
-    const std::vector<Known> first = operands(false), second = operands(true);
+    const std::vector<KnownPair> first = operands(false), second = operands(true);
     std::array<long, count> broken{};
-    for (const Known& a : first) {
-        for (const Known& b : second) try_pair(a, b, broken);
+    for (const KnownPair& a : first) {
+        for (const KnownPair& b : second) try_pair(a, b, broken);
     }
     for (std::size_t k = 0; k < count; ++k) {
         INFO(asked_names[k] << ": " << broken[k] << " of " << first.size() * second.size() << " pairs' points");
@@ -116,7 +116,7 @@ TEST_CASE("four bits: every bound of a pair holds and every proved comparison is
 
 TEST_CASE("four bits: every bound of an operation on one number holds", "[number][bounded]") {
     long roots = 0, sizes = 0, neighbours = 0, copies = 0;
-    for (const Known& a : operands(true)) {
+    for (const KnownPair& a : operands(true)) {
         for (const double x : a.points) {
             roots += !holds_root(sqrt(a.number), x);
             sizes += !holds(abs(a.number), std::fabs(x));
@@ -132,12 +132,12 @@ TEST_CASE("four bits: every bound of an operation on one number holds", "[number
 }
 
 TEST_CASE("four bits: every bound of a fused product holds", "[number][bounded]") {
-    const std::vector<Known> all = operands(true);
+    const std::vector<KnownPair> all = operands(true);
     Random random(34);
-    const auto one = [&]() -> const Known& { return all[random.between(0, static_cast<long>(all.size()) - 1)]; };
+    const auto one = [&]() -> const KnownPair& { return all[random.between(0, static_cast<long>(all.size()) - 1)]; };
     long broken = 0;
     for (int i = 0; i < 300000; ++i) {
-        const Known &a = one(), &b = one(), &c = one();
+        const KnownPair &a = one(), &b = one(), &c = one();
         const B got = fma(a.number, b.number, c.number);
         for (const double x : a.points)
             for (const double y : b.points)

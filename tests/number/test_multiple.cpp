@@ -56,14 +56,14 @@ T volume(const At& of_points, const At& of_directions, bool zero) {
 
 bool is_same(const Interval& a, const Interval& b) { return (a <= b).is_yes() && (a >= b).is_yes(); }
 
-struct Tried {
+struct TriedCounts {
     std::size_t known = 0, wrong = 0, zeros = 0;
 };
 
-Tried try_volumes(const Bits& bits, std::size_t draws) {
+TriedCounts try_volumes(const Bits& bits, std::size_t draws) {
     const Interval::Precision precision(exact_bits);
     Random random(7);
-    Tried tried;
+    TriedCounts tried;
     for (std::size_t i = 0; i < draws; ++i) {
         const Kind points(random, bits), directions(random, bits);
         using At = std::function<Number(std::size_t)>;
@@ -102,7 +102,7 @@ TEST_CASE("multiples of a unit have the stated values, and zeros are proved", "[
                              {40, 0, 40},
                              {50, 0, 50}}) {
         CAPTURE(bits.number, bits.spread, bits.grid);
-        const Tried tried = try_volumes(bits, all);
+        const TriedCounts tried = try_volumes(bits, all);
         const bool fits = bits.number + bits.spread <= bits.grid && bits.grid <= 31;
         CHECK(tried.wrong == 0);
         CHECK((tried.known == all) == fits);

@@ -50,7 +50,7 @@ Interval exactly(const TwoWords<double>& x) { return Interval(x.hi) + Interval(x
 
 /// A number and an exact value that it contains.
 template <class N>
-struct Held {
+struct ContainedValue {
     N number;
     Interval exact;
     double first;
@@ -80,7 +80,7 @@ F any_bound(double size, Random& random) {
 }
 
 template <class N>
-Held<N> draw(Random& random, double first) {
+ContainedValue<N> draw(Random& random, double first) {
     const auto words = draw_words<Words<N>>(first, random);
     const auto bound = any_bound<Format<N>>(first, random);
     const double part = random.one_in(2) ? random.sign() : 2 * random.unit() - 1;
@@ -89,7 +89,7 @@ Held<N> draw(Random& random, double first) {
 
 /// Two numbers of similar size, or nearly equal, or any.
 template <class N>
-std::array<Held<N>, 2> draw_two(Random& random) {
+std::array<ContainedValue<N>, 2> draw_two(Random& random) {
     using F = Format<N>;
     const double x = random.one_in(50) ? 0 : static_cast<double>(any_number<F>(random));
     double y = any_number<F>(random);
@@ -99,14 +99,14 @@ std::array<Held<N>, 2> draw_two(Random& random) {
     return {draw<N>(random, x), draw<N>(random, y)};
 }
 
-struct Tried {
+struct TriedCounts {
     std::size_t finite = 0, wrong = 0;
     double most = 0;  ///< of the errors, over the bound
     std::string first_wrong;
 };
 
 template <class N>
-void hold(const N& found, const Interval& exact, const std::string& what, Tried& tried) {
+void hold(const N& found, const Interval& exact, const std::string& what, TriedCounts& tried) {
     const double bound{found.radius()};
     if (!(bound < HUGE_VAL)) return;
     ++tried.finite;
@@ -132,10 +132,10 @@ bool are_own_words(Op op, const N& x, const N& y, const N& found) {
 }
 
 template <class N>
-Tried try_operation(Op op, std::size_t draws) {
+TriedCounts try_operation(Op op, std::size_t draws) {
     const Interval::Precision precision(exact_bits);
     Random random(41);
-    Tried tried;
+    TriedCounts tried;
     for (std::size_t i = 0; i < draws; ++i) {
         const auto [x, y] = draw_two<N>(random);
         const auto found = apply(op, x.number, y.number, x.number);
@@ -151,7 +151,7 @@ Tried try_operation(Op op, std::size_t draws) {
 template <class N>
 void operations_hold(double least) {
     for (const Op op : every_op) {
-        const Tried tried = try_operation<N>(op, draws<std::size_t>(200'000));
+        const TriedCounts tried = try_operation<N>(op, draws<std::size_t>(200'000));
         INFO(op_names[static_cast<std::size_t>(op)] << " of " << tried.first_wrong);
         CHECK(tried.wrong == 0);
         CHECK(tried.finite > draws<std::size_t>(200'000) / 20);
@@ -163,10 +163,10 @@ void operations_hold(double least) {
 
 /// Sums of products, which have bounds of their own: of six numbers, of which some are alike, or of three squares.
 template <class N>
-std::array<Tried, 3> try_sums(std::size_t draws) {
+std::array<TriedCounts, 3> try_sums(std::size_t draws) {
     const Interval::Precision precision(exact_bits);
     Random random(43);
-    std::array<Tried, 3> tried;
+    std::array<TriedCounts, 3> tried;
     for (std::size_t i = 0; i < draws; ++i) {
         const auto [a, b] = draw_two<N>(random);
         const auto [c, d] = draw_two<N>(random);
@@ -185,7 +185,7 @@ std::array<Tried, 3> try_sums(std::size_t draws) {
 
 template <class N>
 void sums_hold(double least) {
-    for (const Tried& tried : try_sums<N>(draws<std::size_t>(200'000))) {
+    for (const TriedCounts& tried : try_sums<N>(draws<std::size_t>(200'000))) {
         INFO(tried.first_wrong);
         CHECK(tried.wrong == 0);
         CHECK(tried.finite > draws<std::size_t>(200'000) / 20);

@@ -24,10 +24,11 @@ std::string scene(const std::string& range, const std::string& primitive) {
 const std::string sphere = "[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n";
 
 /// A primitive in a scene, the function parameters for it, and whether these have its numbers.
-struct Written {
+struct WrittenShader {
     std::string toml, parameters, holds = "true";
 
-    explicit Written(const Primitive<double>& primitive) : toml("[[" + std::string(name_of(primitive.shape)) + "]]\n") {
+    explicit WrittenShader(const Primitive<double>& primitive)
+        : toml("[[" + std::string(name_of(primitive.shape)) + "]]\n") {
         const auto text = [](double x) {
             char digits[40];
             std::snprintf(digits, sizeof digits, "%.9f", x);
@@ -91,7 +92,7 @@ TEST_CASE("shader ranges: ray ranges are respected on every driver and in HLSL",
 TEST_CASE("shader ranges: a primitive of every shape works with a range, in floats and doubles", "[shader-device]") {
     for (const ShapeRow& row : shape_rows) {
         const Scratch folder;
-        const Written primitive(primitive_around(row.shape, Vec<double>(0.25, -0.5, 0.125), 1.5));
+        const WrittenShader primitive(primitive_around(row.shape, Vec<double>(0.25, -0.5, 0.125), 1.5));
         folder.write("one.toml", scene("tmin = 0.5\ntmax = 64", primitive.toml));
         // 5/8 if everything is right.
         folder.write("told.glsl", "// lostbits: roots=first flags=range direction=any format=both\nfloat told(" +

@@ -50,14 +50,14 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 }  // namespace
 
 TEST_CASE("shader: functions in the style of shader sites are recognised by their types", "[shader]") {
-    struct Known {
+    struct KnownShader {
         std::string function, arguments;
         Shape shape;
         Roots roots;
         Direction direction;
     };
     const std::string sphere = "vec4(lb_centre, lb_primitive[3])";
-    for (const Known& k : std::initializer_list<Known>{
+    for (const KnownShader& k : std::initializer_list<KnownShader>{
              {"vec2 f(vec3 ro, vec3 rd, vec4 s)", "lb_origin lb_direction " + sphere, Shape::sphere, Roots::both,
               Direction::unit},
              {"float f(in vec4 s, in vec3 ro, in vec3 rd)", sphere + " lb_origin lb_direction", Shape::sphere,

@@ -191,14 +191,14 @@ TEST_CASE("the paddings of Ize and of bvh each lose a triangle on one ray", "[hu
         Triangle<double>{{0x1.000ffep+0, 0x1.00500ap+0, -1}, {0x1.000ffep+0, 0x1.00500ap+0, 1}, {8, -8, 1}};
     REQUIRE(truly_meets(most, triangle, HUGE_VAL));
     REQUIRE(truly_meets(other, triangle, HUGE_VAL));
-    struct Kept {
+    struct KeptForm {
         const char* box;
         bool most, other;
     };
-    for (const Kept& kept :
-         {Kept{"box.signs", false, false}, Kept{"box.tinybvh", false, false}, Kept{"box.max_mult", false, true},
-          Kept{"box.bvh_robust", true, false}, Kept{"box.pbrt_padded", true, true},
-          Kept{"box.embree_robust", true, true}, Kept{"box.embree_padded", true, true}}) {
+    for (const KeptForm& kept : {KeptForm{"box.signs", false, false}, KeptForm{"box.tinybvh", false, false},
+                                 KeptForm{"box.max_mult", false, true}, KeptForm{"box.bvh_robust", true, false},
+                                 KeptForm{"box.pbrt_padded", true, true}, KeptForm{"box.embree_robust", true, true},
+                                 KeptForm{"box.embree_padded", true, true}}) {
         CAPTURE(kept.box);
         const Intersector& row =
             boxed_form(intersect::bounding_box::default_box_method(), form(kept.box), form("triangle.filtered"));

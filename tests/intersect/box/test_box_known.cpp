@@ -17,7 +17,7 @@ namespace {
 constexpr double inf = HUGE_VAL;
 constexpr double u = 0x1p-24;  // of float
 
-struct Known {
+struct KnownCase {
     const char* what;
     std::array<double, 3> origin, direction;
     double tmax;
@@ -35,7 +35,7 @@ constexpr std::array<std::string_view, 14> forms{
 
 // b baseline, x exclusive, i inclusive, s signs, / divide, m ieee_minmax, p pbrt_padded, M max_mult, f embree_fma, r
 // embree_robust, e embree_padded, v bvh_robust, t tinybvh, F filtered
-const Known known[] = {
+const KnownCase known[] = {
     //                                                                                   bxis/mpMfrevtF
     {"through the middle", {2, 2, -1}, {0, 0, 1}, inf, "HHHHHHHHHHHHHH", 2},
     {"through the middle, zeros negative", {2, 2, -1}, {-0.0, -0.0, 1}, inf, "HHHHHHHHHHHHHH", 2},
@@ -130,7 +130,7 @@ const Known known[] = {
 };
 
 template <class T>
-void ask_every_form(const Known& k) {
+void ask_every_form(const KnownCase& k) {
     const auto vec = [](const std::array<double, 3>& v) { return Vec<T>(T(v[0]), T(v[1]), T(v[2])); };
     const auto rows = intersect::table::intersectors(Shape::box);
     REQUIRE(rows.size() == forms.size());
@@ -179,7 +179,7 @@ void check_nan_order() {
 }  // namespace
 
 TEST_CASE("forms of boxes give the answers worked out by hand", "[intersect][box][known]") {
-    for (const Known& k : known) {
+    for (const KnownCase& k : known) {
         ask_every_form<float>(k);
         if (!k.float_only) ask_every_form<double>(k);
     }

@@ -35,16 +35,16 @@ struct Scene {
 /// Numbers that end at the end of a page, before a page that must not be touched: reading one number too many is a
 /// fault.
 template <class S>
-class Cornered {
+class CornerRays {
 public:
-    explicit Cornered(std::span<const S> x) : size_(x.size()) {
+    explicit CornerRays(std::span<const S> x) : size_(x.size()) {
         if (x.size_bytes() > page || memory_ == MAP_FAILED || mprotect(memory_ + page, page, PROT_NONE) != 0)
             FAIL("no page that ends where a column does");
         std::copy(x.begin(), x.end(), data());
     }
-    Cornered(const Cornered&) = delete;
-    Cornered& operator=(const Cornered&) = delete;
-    ~Cornered() { munmap(memory_, 2 * page); }
+    CornerRays(const CornerRays&) = delete;
+    CornerRays& operator=(const CornerRays&) = delete;
+    ~CornerRays() { munmap(memory_, 2 * page); }
     [[nodiscard]] std::span<const S> span() const { return {data(), size_}; }
 
 private:

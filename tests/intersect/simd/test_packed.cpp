@@ -37,12 +37,12 @@ void compare_sizes(Shape shape, const Scene<S>& scene) {
     const auto native = intersect::simd::all_packed_kernels(Isa::scalar);
     for (std::size_t n = 0; n <= scene.size(); ++n) {
         const auto first = [&](const std::vector<S>& all) {
-            return Cornered<S>(std::span(all).first(std::min(n, all.size())));
+            return CornerRays<S>(std::span(all).first(std::min(n, all.size())));
         };
         const auto& c = scene.column;
-        const Cornered<S> ox = first(c[0]), oy = first(c[1]), oz = first(c[2]), dx = first(c[3]), dy = first(c[4]),
-                          dz = first(c[5]);
-        const Cornered<S> tmax = first(scene.tmax);
+        const CornerRays<S> ox = first(c[0]), oy = first(c[1]), oz = first(c[2]), dx = first(c[3]), dy = first(c[4]),
+                            dz = first(c[5]);
+        const CornerRays<S> tmax = first(scene.tmax);
         const intersect::table::RayBatch<S> rays{ox.span(), oy.span(), oz.span(),  dx.span(),
                                                  dy.span(), dz.span(), tmax.span()};
         for (const Isa isa : intersect::simd::available_isas())

@@ -12,7 +12,7 @@ namespace {
 
 /// A ray, primitives of one shape as columns, and where the ray ends for each.
 template <class S>
-struct Drawn {
+struct DrawnPrimitives {
     std::array<S, 6> ray;
     std::array<std::vector<S>, max_number_count> column;
     std::vector<S> t;
@@ -21,8 +21,8 @@ struct Drawn {
 /// The lowest bits of k are the signs of the direction; one ray in four is anything at all, and so is a number of one
 /// primitive in six.
 template <class S>
-Drawn<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
-    Drawn<S> d{draw_ray(random, draw_primitive<S>(random, shape), k), {}, {}};
+DrawnPrimitives<S> draw(Random& random, Shape shape, std::size_t k, std::size_t n) {
+    DrawnPrimitives<S> d{draw_ray(random, draw_primitive<S>(random, shape), k), {}, {}};
     for (std::size_t axis = 0; axis < 3; ++axis)
         d.ray[3 + axis] = std::copysign(d.ray[3 + axis], k >> axis & 1 ? S(-1) : S(1));
     if (k % 4 == 3)
@@ -52,7 +52,8 @@ struct Expected {
 };
 
 template <class S>
-Expected<S> one_by_one(const intersect::simd::PackedFormKernels& row, Shape shape, const Drawn<S>& d, std::size_t n) {
+Expected<S> one_by_one(const intersect::simd::PackedFormKernels& row, Shape shape, const DrawnPrimitives<S>& d,
+                       std::size_t n) {
     Expected<S> e;
     for (std::size_t i = 0; i < n; ++i) {
         Scene<S> scene;
@@ -69,11 +70,12 @@ Expected<S> one_by_one(const intersect::simd::PackedFormKernels& row, Shape shap
 
 /// The first n primitives, columns that end where a page ends, answers with a margin that stays.
 template <class S>
-Expected<S> at_once(const intersect::simd::ManyFormKernels& row, Shape shape, const Drawn<S>& d, std::size_t n) {
-    std::array<std::unique_ptr<const Cornered<S>>, max_number_count> columns;
+Expected<S> at_once(const intersect::simd::ManyFormKernels& row, Shape shape, const DrawnPrimitives<S>& d,
+                    std::size_t n) {
+    std::array<std::unique_ptr<const CornerRays<S>>, max_number_count> columns;
     intersect::simd::PrimitiveArrays<S> primitives;
     for (std::size_t c = 0; c < row_of(shape).number_count; ++c) {
-        columns[c] = std::make_unique<const Cornered<S>>(std::span(d.column[c]).first(n));
+        columns[c] = std::make_unique<const CornerRays<S>>(std::span(d.column[c]).first(n));
         primitives.numbers[c] = columns[c]->span();
     }
     Expected<S> e{d.t, std::vector<std::uint8_t>(d.t.size(), 77)};
@@ -95,7 +97,7 @@ template <class S>
 void compare(Shape shape) {
     Random random(11);
     const auto native = intersect::simd::all_packed_kernels(Isa::scalar);
-    std::vector<Drawn<S>> all;
+    std::vector<DrawnPrimitives<S>> all;
     for (std::size_t k = 0; k < share(shape, 160); ++k) all.push_back(draw<S>(random, shape, k, 2 * widest + 3));
     for (std::size_t form = 0; form < native.size(); ++form) {
         if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;

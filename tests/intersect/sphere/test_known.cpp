@@ -11,7 +11,7 @@ using intersect::Roots, intersect::table::Intersector;
 
 namespace {
 
-struct Known {
+struct KnownCase {
     const char* what;
     std::array<double, 3> origin, direction, centre;
     double radius;
@@ -19,49 +19,50 @@ struct Known {
     enum { crosses, touches, passes } line;
 };
 
-const Known known[] = {
-    {"head on from distance 5", {0, 0, -5}, {0, 0, 1}, {0, 0, 0}, 1, 4, 6, Known::crosses},
-    {"head on along -x, moved from the world's origin", {7, 2, 1}, {-1, 0, 0}, {2, 2, 1}, 1, 4, 6, Known::crosses},
-    {"off the centre, 3-4-5", {3, 0, -8}, {0, 0, 1}, {0, 0, 0}, 5, 4, 12, Known::crosses},
-    {"off the centre in y, 3-4-5", {1, 4, -8}, {0, 0, 1}, {1, 0, 0}, 5, 5, 11, Known::crosses},
-    {"behind", {0, 0, 5}, {0, 0, 1}, {0, 0, 0}, 1, -6, -4, Known::crosses},
-    {"inside, the centre ahead", {0, 0, -1}, {0, 0, 1}, {0, 0, 0}, 2, -1, 3, Known::crosses},
-    {"inside, the centre behind", {0, 0, 1}, {0, 0, 1}, {0, 0, 0}, 2, -3, 1, Known::crosses},
-    {"at the centre, b' = 0", {0, 0, 0}, {0, 0, 1}, {0, 0, 0}, 2, -2, 2, Known::crosses},
-    {"at the centre, b' = -0", {0, 0, -0.0}, {-0.0, -0.0, -1}, {0, 0, 0}, 2, -2, 2, Known::crosses},
-    {"inside, square to the centre, b' = 0", {3, 0, 0}, {0, 0, 1}, {0, 0, 0}, 5, -4, 4, Known::crosses},
-    {"inside, square to the centre, b' = -0", {-3, 0, 0}, {0, -1, 0}, {0, 0, 0}, 5, -4, 4, Known::crosses},
-    {"on the surface, looking in", {0, 0, -2}, {0, 0, 1}, {0, 0, 0}, 2, 0, 4, Known::crosses},
-    {"on the surface, looking out", {0, 0, 2}, {0, 0, 1}, {0, 0, 0}, 2, -4, 0, Known::crosses},
-    {"touching ahead", {1, 0, -4}, {0, 0, 1}, {0, 0, 0}, 1, 4, 4, Known::touches},
-    {"touching ahead, other side, other axis", {-8, 0, -1}, {1, 0, 0}, {0, 0, 1}, 2, 8, 8, Known::touches},
-    {"touching behind", {1, 0, 4}, {0, 0, 1}, {0, 0, 0}, 1, -4, -4, Known::touches},
-    {"passing by", {1.5, 0, -4}, {0, 0, 1}, {0, 0, 0}, 1, 0, 0, Known::passes},
-    {"passing by at the waist, b' = 0", {0, 3, 0}, {0, 0, 1}, {0, 0, 0}, 1, 0, 0, Known::passes},
-    {"direction of length 2", {0, 0, -5}, {0, 0, 2}, {0, 0, 0}, 1, 2, 3, Known::crosses},
-    {"direction of length 1/2", {3, 0, -8}, {0, 0, 0.5}, {0, 0, 0}, 5, 8, 24, Known::crosses},
-    {"direction of length 2, touching", {1, 0, -4}, {0, 0, 2}, {0, 0, 0}, 1, 2, 2, Known::touches},
-    {"far enough for a second step", {0, 0, -33}, {0, 0, 1}, {0, 0, 0}, 1, 32, 34, Known::crosses},
-    {"second step with direction of length 2", {0, 0, -65}, {0, 0, 2}, {0, 0, 0}, 1, 32, 33, Known::crosses},
+const KnownCase known[] = {
+    {"head on from distance 5", {0, 0, -5}, {0, 0, 1}, {0, 0, 0}, 1, 4, 6, KnownCase::crosses},
+    {"head on along -x, moved from the world's origin", {7, 2, 1}, {-1, 0, 0}, {2, 2, 1}, 1, 4, 6, KnownCase::crosses},
+    {"off the centre, 3-4-5", {3, 0, -8}, {0, 0, 1}, {0, 0, 0}, 5, 4, 12, KnownCase::crosses},
+    {"off the centre in y, 3-4-5", {1, 4, -8}, {0, 0, 1}, {1, 0, 0}, 5, 5, 11, KnownCase::crosses},
+    {"behind", {0, 0, 5}, {0, 0, 1}, {0, 0, 0}, 1, -6, -4, KnownCase::crosses},
+    {"inside, the centre ahead", {0, 0, -1}, {0, 0, 1}, {0, 0, 0}, 2, -1, 3, KnownCase::crosses},
+    {"inside, the centre behind", {0, 0, 1}, {0, 0, 1}, {0, 0, 0}, 2, -3, 1, KnownCase::crosses},
+    {"at the centre, b' = 0", {0, 0, 0}, {0, 0, 1}, {0, 0, 0}, 2, -2, 2, KnownCase::crosses},
+    {"at the centre, b' = -0", {0, 0, -0.0}, {-0.0, -0.0, -1}, {0, 0, 0}, 2, -2, 2, KnownCase::crosses},
+    {"inside, square to the centre, b' = 0", {3, 0, 0}, {0, 0, 1}, {0, 0, 0}, 5, -4, 4, KnownCase::crosses},
+    {"inside, square to the centre, b' = -0", {-3, 0, 0}, {0, -1, 0}, {0, 0, 0}, 5, -4, 4, KnownCase::crosses},
+    {"on the surface, looking in", {0, 0, -2}, {0, 0, 1}, {0, 0, 0}, 2, 0, 4, KnownCase::crosses},
+    {"on the surface, looking out", {0, 0, 2}, {0, 0, 1}, {0, 0, 0}, 2, -4, 0, KnownCase::crosses},
+    {"touching ahead", {1, 0, -4}, {0, 0, 1}, {0, 0, 0}, 1, 4, 4, KnownCase::touches},
+    {"touching ahead, other side, other axis", {-8, 0, -1}, {1, 0, 0}, {0, 0, 1}, 2, 8, 8, KnownCase::touches},
+    {"touching behind", {1, 0, 4}, {0, 0, 1}, {0, 0, 0}, 1, -4, -4, KnownCase::touches},
+    {"passing by", {1.5, 0, -4}, {0, 0, 1}, {0, 0, 0}, 1, 0, 0, KnownCase::passes},
+    {"passing by at the waist, b' = 0", {0, 3, 0}, {0, 0, 1}, {0, 0, 0}, 1, 0, 0, KnownCase::passes},
+    {"direction of length 2", {0, 0, -5}, {0, 0, 2}, {0, 0, 0}, 1, 2, 3, KnownCase::crosses},
+    {"direction of length 1/2", {3, 0, -8}, {0, 0, 0.5}, {0, 0, 0}, 5, 8, 24, KnownCase::crosses},
+    {"direction of length 2, touching", {1, 0, -4}, {0, 0, 2}, {0, 0, 0}, 1, 2, 2, KnownCase::touches},
+    {"far enough for a second step", {0, 0, -33}, {0, 0, 1}, {0, 0, 0}, 1, 32, 34, KnownCase::crosses},
+    {"second step with direction of length 2", {0, 0, -65}, {0, 0, 2}, {0, 0, 0}, 1, 32, 33, KnownCase::crosses},
 };
 
 template <class T>
-void ask(const Intersector& row, const Known& k, double slack) {
+void ask(const Intersector& row, const KnownCase& k, double slack) {
     const intersect::Info& info = *row.info;
     const double length2 =
         k.direction[0] * k.direction[0] + k.direction[1] * k.direction[1] + k.direction[2] * k.direction[2];
     if (info.direction == intersect::Direction::unit && length2 != 1) return;
-    const bool inside = k.line == Known::crosses && k.near < 0 && k.far > 0;
+    const bool inside = k.line == KnownCase::crosses && k.near < 0 && k.far > 0;
     if (info.roots == Roots::near_only && inside) return;
 
     const bool zero_counts = info.at_origin == intersect::AtOrigin::hit;
     const auto counts = [&](double t) { return t > 0 || (t == 0 && zero_counts); };
-    bool want = k.line == Known::crosses || (k.line == Known::touches && info.touching == intersect::Touching::hit);
+    bool want =
+        k.line == KnownCase::crosses || (k.line == KnownCase::touches && info.touching == intersect::Touching::hit);
     const double first = counts(k.near) || info.roots == Roots::near_only ? k.near : k.far;
     want = want && counts(first);
     // Two forms cannot see a ray that touches, and this is where that is written down: bounds moved outward make every
     // touching discriminant possibly negative, a miss; and from the point of closest approach q = 0 there, so t is 0/0.
-    const bool touches = k.line == Known::touches;
+    const bool touches = k.line == KnownCase::touches;
     if (touches && info.name == "sphere.pbrt_interval") want = false;
 
     const auto vec = [](const std::array<double, 3>& v) { return Vec<T>(T(v[0]), T(v[1]), T(v[2])); };
@@ -91,7 +92,7 @@ void ask_every_form(int precision) {
         if (row.info->formats != intersect::Formats::all && precision != 24) continue;
         // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are exact.
         const bool exact = row.info->name != "sphere.pbrt_interval" && row.info->name != "sphere.factored_c";
-        for (const Known& k : known)
+        for (const KnownCase& k : known)
             ask<T>(row, k, exact ? 0 : std::ldexp(std::fmax(std::fabs(k.near), std::fabs(k.far)), 7 - precision));
     }
 }

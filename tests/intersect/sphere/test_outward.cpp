@@ -17,13 +17,13 @@ double value(Half x) { return x.value(); }
 
 /// Bounds drawn in the format, and a point of the interval: one of its ends or a number between them.
 template <class T>
-struct Drawn {
+struct DrawnRay {
     OutwardInterval<T> interval{0};
     Mpfr point{200};
 };
 
 template <class T>
-Drawn<T> draw(Random& random, const FloatFormat& format, bool positive) {
+DrawnRay<T> draw(Random& random, const FloatFormat& format, bool positive) {
     const auto finite = [&] { return draw_finite(random, format); };
     double a = finite(), b = random.one_in(3)   ? a
                              : random.one_in(2) ? nearest(Mpfr(a * (1 + random.unit() / 64), 53), format)
@@ -31,7 +31,7 @@ Drawn<T> draw(Random& random, const FloatFormat& format, bool positive) {
     if (positive) a = std::fabs(a), b = std::fabs(b);
     if (a > b) std::swap(a, b);
     if (!std::isfinite(b) || !std::isfinite(a)) b = a = 1;
-    Drawn<T> x{{static_cast<T>(a), static_cast<T>(b)}, Mpfr(200)};
+    DrawnRay<T> x{{static_cast<T>(a), static_cast<T>(b)}, Mpfr(200)};
     const long part = random.between(0, 2);
     mpfr_set_d(x.point, part == 0 ? a : b, MPFR_RNDN);
     if (part == 2) mpfr_set_d(x.point, a / 2 + b / 2, MPFR_RNDN);
@@ -46,7 +46,7 @@ void enclose(const FloatFormat& format) {
     constexpr int rounds = 30000;
     for (const Op op : {Op::add, Op::subtract, Op::multiply, Op::divide, Op::root})
         for (int i = 0; i < rounds; ++i) {
-            const Drawn<T> a = draw<T>(random, format, op == Op::root), b = draw<T>(random, format, false);
+            const DrawnRay<T> a = draw<T>(random, format, op == Op::root), b = draw<T>(random, format, false);
             const auto& [x, y] = std::tie(a.interval, b.interval);
             const OutwardInterval<T> r = op == Op::add        ? x + y
                                          : op == Op::subtract ? x - y
@@ -61,7 +61,7 @@ void enclose(const FloatFormat& format) {
             bounded += std::isfinite(value(r.lo)) && std::isfinite(value(r.hi));
         }
     for (int i = 0; i < rounds; ++i) {
-        const Drawn<T> a = draw<T>(random, format, false);
+        const DrawnRay<T> a = draw<T>(random, format, false);
         const OutwardInterval<T> r = square(a.interval);
         Mpfr exact(400);
         mpfr_sqr(exact, a.point, MPFR_RNDN);

@@ -48,14 +48,14 @@ Transform<double> random_transform(Seeded& r, double scale, const FloatFormat& f
     return convert_numbers(Transform<double>{m, false, 1}, [&](double number) { return rounded(number, format); });
 }
 
-struct Asked {
+struct RayAndPrimitive {
     Primitive<double> primitive;
     Ray<double> ray;
 };
 
 /// A ray of the world that passes near the middle of the primitive, with a direction of length about one.
-Asked draw(Seeded& r, Shape shape, const FloatFormat& format, double scale = 1) {
-    Asked a{primitive_around<double>(shape, r.vec(-1, 1), 1), {}};
+RayAndPrimitive draw(Seeded& r, Shape shape, const FloatFormat& format, double scale = 1) {
+    RayAndPrimitive a{primitive_around<double>(shape, r.vec(-1, 1), 1), {}};
     a.primitive = convert_numbers(a.primitive, [&](double number) { return rounded(number, format); });
     const Vec<double> middle = visit(a.primitive, [](const auto& s) { return s.middle(); });
     a.primitive.transform = random_transform(r, scale, format);
@@ -86,7 +86,7 @@ struct One {
 };
 
 template <class S, class Kernel>
-One ask(const Kernel& kernel, const Asked& a) {
+One ask(const Kernel& kernel, const RayAndPrimitive& a) {
     const auto& [o, d] = a.ray;
     const std::array<S, 6> x{static_cast<S>(o.x), static_cast<S>(o.y), static_cast<S>(o.z),
                              static_cast<S>(d.x), static_cast<S>(d.y), static_cast<S>(d.z)};
@@ -99,7 +99,7 @@ One ask(const Kernel& kernel, const Asked& a) {
     return {hit != 0, double{t}};
 }
 
-One ask(const Intersector& row, const Format& format, const Asked& a) {
+One ask(const Intersector& row, const Format& format, const RayAndPrimitive& a) {
     return format.engine == Format::Engine::native32 ? ask<float>(row.native32, a) : ask<double>(row.native64, a);
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("every transform method gives the true t when nothing is rounded, rigi
             Seeded r(3);
             int hits = 0;
             for (int i = 0; i < 40; ++i) {
-                const Asked a = draw(r, form->shape, binary32);
+                const RayAndPrimitive a = draw(r, form->shape, binary32);
                 const auto truth = measure::truth::find_truth(a.ray, a.primitive);
                 const auto self = measure::answer::evaluate_exactly(row, a.ray, Target<double>(a.primitive));
                 if (!truth.is_hit() || !self) continue;
@@ -154,7 +154,7 @@ TEST_CASE("batches with a transform answer as single rays, and the tape of a row
             for (const Format& format : {*find_format("f32"), *find_format("f64")}) {
                 Seeded r(5);
                 for (int i = 0; i < 20; ++i) {
-                    const Asked a = draw(r, form->shape, format.parameters, 3);
+                    const RayAndPrimitive a = draw(r, form->shape, format.parameters, 3);
                     const One alone = ask(row, format, a);
                     Tape tape;
                     row.record(format, a.ray, Target<double>(a.primitive), HUGE_VAL, tape);
@@ -173,9 +173,9 @@ namespace {
 
 /// This many rays at the primitive of the first ray, all at once, in the registers of a width.
 template <class S, class Kernel>
-std::vector<S> ask_together(const Kernel& kernel, const std::vector<Asked>& all) {
+std::vector<S> ask_together(const Kernel& kernel, const std::vector<RayAndPrimitive>& all) {
     std::array<std::vector<S>, 6> x;
-    for (const Asked& a : all)
+    for (const RayAndPrimitive& a : all)
         for (int k = 0; k < 3; ++k) {
             x[k].push_back(static_cast<S>(a.ray.origin[k]));
             x[k + 3].push_back(static_cast<S>(a.ray.direction[k]));
@@ -198,7 +198,7 @@ TEST_CASE("batches with a transform answer as single rays at every register widt
             CAPTURE(form->info->name, space.info->name);
             const Intersector& row = transformed_form(space, *form);
             Seeded r(13);
-            std::vector<Asked> all;
+            std::vector<RayAndPrimitive> all;
             for (int i = 0; i < 37; ++i) {
                 all.push_back(draw(r, form->shape, binary32, 3));
                 all.back().primitive = all.front().primitive;
@@ -230,7 +230,7 @@ TEST_CASE("errors assigned to the steps sum to the total, and a stored inverse h
             for (const Format& format : {*find_format("f32"), *find_format("f64"), *find_format("p12")}) {
                 Seeded r(11);
                 for (int i = 0; i < 12; ++i) {
-                    Asked a = draw(r, form->shape, format.parameters, 2);
+                    RayAndPrimitive a = draw(r, form->shape, format.parameters, 2);
                     a.primitive.transform->is_inverse = i % 3 == 2;
                     if (a.primitive.transform->is_inverse) a.ray.origin = rounded(a.ray.origin, format.parameters);
                     CAPTURE(i, format.name, a.ray.origin.x, a.ray.direction.x);

@@ -16,7 +16,7 @@ using measure::attribution::Attribution;
 
 namespace {
 
-struct Shuffled {
+struct ShuffledOrder {
     Tape tape;
     std::vector<NodeId> place;  ///< of each node of the tape as it was
 
@@ -28,8 +28,8 @@ struct Shuffled {
 };
 
 /// The same operations in a random order in which each comes after its operands.
-Shuffled shuffle(const Tape& tape, Random& random) {
-    Shuffled s{tape, std::vector<NodeId>(tape.nodes.size(), no_node)};
+ShuffledOrder shuffle(const Tape& tape, Random& random) {
+    ShuffledOrder s{tape, std::vector<NodeId>(tape.nodes.size(), no_node)};
     std::vector<std::vector<NodeId>> users(tape.nodes.size());
     std::vector<int> waits(tape.nodes.size());
     std::vector<NodeId> ready;
@@ -62,16 +62,16 @@ Shuffled shuffle(const Tape& tape, Random& random) {
 }
 
 /// Counts of ties over many tapes.
-struct Seen {
+struct SeenTies {
     int ties = 0;       ///< tapes with equals
     int not_first = 0;  ///< of which the culprit is not the first on the tape
 };
 
 /// The tape has the same culprit and the same equal contributions in every order.
-void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& seen) {
+void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, SeenTies& seen) {
     const Attribution a = measure::attribution::attribute(tape);
     for (int k = 0; k < 3; ++k) {
-        const Shuffled s = shuffle(tape, random);
+        const ShuffledOrder s = shuffle(tape, random);
         const Attribution b = measure::attribution::attribute(s.tape);
         REQUIRE(b.subject == s.at(a.subject));
         REQUIRE(b.culprit == s.at(a.culprit));
@@ -84,7 +84,7 @@ void demand_one_culprit(const Tape& tape, bool is_solver, Random& random, Seen& 
 }
 
 /// A tape by hand, in binary64. Sums at 2^53, whose ulp is 2: 2^53 + 1 rounds down and (2^53 + 2) + 1 up, both by 1.
-struct ByHand {
+struct HandTape {
     using T = Recorded;
     Tape tape;
     number::recorders::TapeRecorder recorder{tape, binary64};
@@ -93,11 +93,11 @@ struct ByHand {
 };
 
 /// In every order of the tape.
-Attribution attribution_of(const ByHand& hand, const Recorded& t) {
+Attribution attribution_of(const HandTape& hand, const Recorded& t) {
     Random random(3);
     const Attribution a = measure::attribution::attribute(hand.tape, t.node());
     for (int k = 0; k < 50; ++k) {
-        const Shuffled s = shuffle(hand.tape, random);
+        const ShuffledOrder s = shuffle(hand.tape, random);
         const Attribution b = measure::attribution::attribute(s.tape, s.at(t.node()));
         CHECK(b.culprit == s.at(a.culprit));
         CHECK(b.equal_culprits == s.at(a.equal_culprits));
@@ -108,7 +108,7 @@ Attribution attribution_of(const ByHand& hand, const Recorded& t) {
 }  // namespace
 
 TEST_CASE("ties: of two roundings that cancel, the later one on the chain is the culprit", "[ties]") {
-    const ByHand hand;
+    const HandTape hand;
     const auto sum = hand.down();        // −1
     const auto c = sum + Recorded(3.0);  // 2^53 + 3, up by 1
     const Attribution a = attribution_of(hand, c);
@@ -122,7 +122,7 @@ TEST_CASE("ties: of two roundings that cancel, the later one on the chain is the
 }
 
 TEST_CASE("ties: of two roundings that add up, the later one on the chain is the culprit", "[ties]") {
-    const ByHand hand;
+    const HandTape hand;
     const auto sum = hand.up();          // +1
     const auto c = sum - Recorded(1.0);  // (2^53 + 4) − 1, up by 1
     const Attribution a = attribution_of(hand, c);
@@ -134,7 +134,7 @@ TEST_CASE("ties: of two roundings that add up, the later one on the chain is the
 TEST_CASE("ties: of two roundings on separate chains, the nearer to the result is the culprit, then the first",
           "[ties]") {
     for (const bool down_first : {true, false}) {
-        const ByHand hand;
+        const HandTape hand;
         const auto down = hand.down(), up = hand.up();
         const auto t = down_first ? down + up : up + down;
         const Attribution a = attribution_of(hand, t);
@@ -142,7 +142,7 @@ TEST_CASE("ties: of two roundings on separate chains, the nearer to the result i
         CHECK(a.equal_culprits == std::vector{(down_first ? up : down).node()});
         CHECK_FALSE(is_computed_from(hand.tape, a, up.node(), down.node()));
     }
-    const ByHand hand;
+    const HandTape hand;
     const auto down = hand.down(), up = hand.up();
     const auto t = -down + up;
     CHECK(attribution_of(hand, t).culprit == up.node());
@@ -150,7 +150,7 @@ TEST_CASE("ties: of two roundings on separate chains, the nearer to the result i
 
 TEST_CASE("ties: three equal roundings are resolved by the same rules", "[ties]") {
     for (const bool chain_first : {true, false}) {
-        const ByHand hand;
+        const HandTape hand;
         const auto sum = hand.down(), c = sum + Recorded(3.0), up = hand.up();
         const auto t = chain_first ? c + up : up + c;
         const Attribution a = attribution_of(hand, t);
@@ -160,7 +160,7 @@ TEST_CASE("ties: three equal roundings are resolved by the same rules", "[ties]"
 }
 
 TEST_CASE("ties: a branch that is not taken does not make a chain", "[ties]") {
-    const ByHand hand;
+    const HandTape hand;
     const auto down = hand.down(), other = hand.down();
     const auto taken = select(Recorded(1.0) < Recorded(2.0), other, down);
     const auto c = taken + Recorded(3.0);
@@ -173,9 +173,9 @@ TEST_CASE("ties: a branch that is not taken does not make a chain", "[ties]") {
 }
 
 TEST_CASE("ties: wrong choices that undo each other are the culprit only where nothing else was lost", "[ties]") {
-    using T = ByHand::T;
-    const auto chosen = [](const ByHand& hand) { return select(hand.down() > T(0x1p53), T(1000), T(2000)); };
-    ByHand hand;
+    using T = HandTape::T;
+    const auto chosen = [](const HandTape& hand) { return select(hand.down() > T(0x1p53), T(1000), T(2000)); };
+    HandTape hand;
     const T a = chosen(hand), b = chosen(hand), third = T(1) / T(3);
     const Attribution with = attribution_of(hand, (a - b) + third);
     CHECK(with.culprit == third.node());
@@ -188,9 +188,9 @@ TEST_CASE("ties: wrong choices that undo each other are the culprit only where n
 }
 
 TEST_CASE("ties: a choice between two numbers that have the same computed value makes no error", "[ties]") {
-    using T = ByHand::T;
+    using T = HandTape::T;
     for (const bool sum_first : {true, false}) {
-        const ByHand hand;
+        const HandTape hand;
         const auto sum = hand.down(), number = T(0x1p53);  // 2^53 + 1 without rounding, and 2^53: the larger is the sum
         const auto t = sum_first ? max(sum, number) : max(number, sum);
         const Attribution a = attribution_of(hand, t);
@@ -204,7 +204,7 @@ TEST_CASE("ties: a choice between two numbers that have the same computed value 
 
 TEST_CASE("ties: contributions are equal if they agree to 2^-20", "[ties]") {
     for (const auto& [more, equal] : {std::pair{0x1p-21, true}, std::pair{0x1p-19, false}}) {
-        const ByHand hand;
+        const HandTape hand;
         const auto larger = hand.down(), smaller = hand.up();
         const auto t = larger * Recorded(1 + more) + smaller;
         const Attribution a = attribution_of(hand, t);
@@ -215,7 +215,7 @@ TEST_CASE("ties: contributions are equal if they agree to 2^-20", "[ties]") {
 }
 
 TEST_CASE("ties: roundings that do not reach the answer take no part", "[ties]") {
-    const ByHand hand;
+    const HandTape hand;
     const auto t = (hand.down() + hand.up()) * Recorded(0.0);
     const Attribution a = attribution_of(hand, t);
     CHECK(a.error == 0);
@@ -223,7 +223,7 @@ TEST_CASE("ties: roundings that do not reach the answer take no part", "[ties]")
 }
 
 TEST_CASE("ties: every form has the same culprit in every order of its tape", "[ties]") {
-    Seen seen;
+    SeenTies seen;
     Random random(31);
     const int rays = is_long() ? 20 : 3;
     for (const double far : {1.0, 100.0, 4000.0})

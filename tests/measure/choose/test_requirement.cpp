@@ -26,7 +26,7 @@ std::vector<TestedForm> rows_of(std::initializer_list<const char*> forms, std::i
 }
 
 /// Outcomes and lost bits of a row, pixel by pixel.
-struct Kept {
+struct KeptPixels {
     std::vector<Outcome> outcomes;
     std::vector<double> lost;
     void add_band(const measure::evaluate::BandResult& r) {
@@ -40,8 +40,8 @@ struct Kept {
 };
 
 /// Maps of every row by itself.
-std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
-    std::vector<Kept> kept(tested_forms.size());
+std::vector<KeptPixels> maps_of(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
+    std::vector<KeptPixels> kept(tested_forms.size());
     for (std::size_t r = 0; r < tested_forms.size(); ++r) {
         measure::evaluate::run_map({.scene = &scene,
                                     .tested_forms = {tested_forms[r]},
@@ -51,18 +51,20 @@ std::vector<Kept> maps_of(const scene::file::Scene& scene, const std::vector<Tes
     return kept;
 }
 
-struct Asked {
+struct MeasuredRequirement {
     ChoiceRequest request;
     std::vector<Candidate> all;
     RequirementMap requirement_map;
 };
 
 /// With fixed costs for the rows, so that a test does not depend on the clock.
-Asked require(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms,
-              const std::vector<double>& prices, double bits, const std::vector<TestedForm>& untimed_forms = {}) {
-    Asked asked{.request = {.scene = &scene, .tested_forms = tested_forms, .untimed_forms = untimed_forms},
-                .all = {},
-                .requirement_map = {}};
+MeasuredRequirement require(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms,
+                            const std::vector<double>& prices, double bits,
+                            const std::vector<TestedForm>& untimed_forms = {}) {
+    MeasuredRequirement asked{
+        .request = {.scene = &scene, .tested_forms = tested_forms, .untimed_forms = untimed_forms},
+        .all = {},
+        .requirement_map = {}};
     asked.request.requirement.bits = bits;
     MetPixelsByForm meetings(asked.request, tested_forms);
     asked.request.show = meetings.show();

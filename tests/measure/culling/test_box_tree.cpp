@@ -28,9 +28,9 @@ using scene::rays::PrimitiveList;
 
 namespace {
 
-class Draw {
+class RandomPoints {
 public:
-    explicit Draw(std::uint64_t seed) : engine_(seed) {}
+    explicit RandomPoints(std::uint64_t seed) : engine_(seed) {}
     double in(double low, double high) { return low + (high - low) * engine_.unit(); }
     /// From −1 to 1, a third of the time 0 or an end, like vertices and directions of real scenes.
     double component() {
@@ -44,7 +44,7 @@ private:
 };
 
 /// A third triangles, a third boxes, and of the last third each shape in turn.
-std::vector<Primitive<double>> primitives_of(Draw& draw, double size) {
+std::vector<Primitive<double>> primitives_of(RandomPoints& draw, double size) {
     std::vector<Primitive<double>> all;
     while (all.size() < 96) {
         const Vec<double> at = draw.point(size);
@@ -73,7 +73,7 @@ Vec<double> target(const Primitive<double>& primitive, bool first) {
 TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]") {
     std::size_t met = 0, asked = 0, pairs = 0;
     for (int round = 0; round < 60; ++round) {
-        Draw draw(static_cast<std::uint64_t>(round) + 1);
+        RandomPoints draw(static_cast<std::uint64_t>(round) + 1);
         // Squares of the truth's polynomials must not leave the doubles' range only in the tree: sizes 2^-90 to 2^90.
         const double size = std::exp2(std::floor(draw.in(-90, 90))), away = size * std::exp2(draw.in(-2, 20));
         const std::vector<Primitive<double>> primitives = primitives_of(draw, size);
@@ -111,7 +111,7 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
 }
 
 TEST_CASE("candidates of more rays than walk down a tree together are those of each", "[culling]") {
-    Draw draw(11);
+    RandomPoints draw(11);
     std::vector<Ray<double>> rays;
     for (int i = 0; i < 700; ++i) rays.push_back({draw.point(8), draw.point(1)});
     rays[3].direction = {0, 0, 0};
@@ -131,7 +131,7 @@ TEST_CASE("candidates of more rays than walk down a tree together are those of e
 }
 
 TEST_CASE("a long list is sorted by its indices as a short one is, and equal indices keep their order", "[culling]") {
-    Draw draw(5);
+    RandomPoints draw(5);
     for (const double most : {1.0, 700.0, 5e6, 4294967295.0})
         for (const std::size_t count :
              {std::size_t{0}, std::size_t{1}, std::size_t{512}, std::size_t{513}, std::size_t{9000}}) {
@@ -145,7 +145,7 @@ TEST_CASE("a long list is sorted by its indices as a short one is, and equal ind
 }
 
 TEST_CASE("the truth through a tree equals the truth among all primitives", "[culling]") {
-    Draw draw(7);
+    RandomPoints draw(7);
     const std::vector<Primitive<double>> primitives = primitives_of(draw, 1);
     scene::rays::RayBlock rays;
     for (int i = 0; i < 500; ++i) {
@@ -168,7 +168,7 @@ TEST_CASE("the truth through a tree equals the truth among all primitives", "[cu
 namespace {
 
 /// Many spheres, and of every other shape some.
-std::vector<Primitive<double>> mixed_primitives(Draw& draw) {
+std::vector<Primitive<double>> mixed_primitives(RandomPoints& draw) {
     std::vector<Primitive<double>> all;
     for (int i = 0; i < 60; ++i) all.push_back(primitive_around(Shape::sphere, draw.point(8), draw.in(0.1, 1)));
     for (const ShapeRow& row : shape_rows)
@@ -219,7 +219,7 @@ std::size_t compare_sets(const measure::truth::Band& quick, const measure::truth
 
 TEST_CASE("a tree over spheres, planes and all other shapes changes no answer", "[culling]") {
     for (const double away : {10.0, 200.0}) {
-        Draw draw(11);
+        RandomPoints draw(11);
         scene::rays::RayGroup group;
         group.primitives = mixed_primitives(draw);
         for (int i = 0; i < 600; ++i) {
@@ -247,7 +247,7 @@ namespace {
 
 /// Closed and open meshes, with edges of three faces and faces given twice, in planes of two axes: some 500 triangles
 /// about the origin, within 1 of it, in units of 2^power of a format.
-std::shared_ptr<const scene::rays::StoredMesh> mesh_of(Draw& draw, int power, const FloatFormat& format) {
+std::shared_ptr<const scene::rays::StoredMesh> mesh_of(RandomPoints& draw, int power, const FloatFormat& format) {
     auto mesh = std::make_shared<scene::triangle::Mesh>();
     const auto scaled = [&](double x) { return rounding::to_format(std::ldexp(x, power), 0, format); };
     constexpr std::uint32_t side = 13;
@@ -273,14 +273,14 @@ std::shared_ptr<const scene::rays::StoredMesh> mesh_of(Draw& draw, int power, co
 }
 
 /// A component of a direction of any exponent that the format has.
-double any_length(Draw& draw, const FloatFormat& format) {
+double any_length(RandomPoints& draw, const FloatFormat& format) {
     const int low = format.emin - format.precision + 2;
     return std::exp2(std::floor(draw.in(0, 1) < 0.5 ? draw.in(-30, 30) : draw.in(low, format.emax - 1)));
 }
 
 /// A ray at a vertex, a point of an edge or of a face, from near and far, along an axis, in a plane of faces, from a
 /// vertex or from anywhere; its direction of any length.
-Ray<double> ray_at(Draw& draw, const Triangle<double>& face, double size, const FloatFormat& format) {
+Ray<double> ray_at(RandomPoints& draw, const Triangle<double>& face, double size, const FloatFormat& format) {
     const int kind = static_cast<int>(draw.in(0, 6));
     const double u = kind == 0 ? 0 : draw.in(0, 1), v = kind <= 1 ? 0 : draw.in(0, 1 - u);
     const Vec<double> at = face.a + u * (face.b - face.a) + v * (face.c - face.a);
@@ -306,7 +306,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
     for (const FloatFormat& format : {binary32, binary64}) {
         for (const int power : {0, -20, 30, -90, 90, -300, 300}) {
             if (std::abs(power) > 90 && format.precision == binary32.precision) continue;
-            Draw draw(static_cast<std::uint64_t>(power + 1000));
+            RandomPoints draw(static_cast<std::uint64_t>(power + 1000));
             scene::rays::RayGroup group;
             group.mesh = mesh_of(draw, power, format);
             for (int i = 0; i < lostbits::test::draws(2000); ++i) {
@@ -345,7 +345,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
 }
 
 TEST_CASE("the nearest primitive in a tree is the nearest of all", "[culling]") {
-    Draw draw(21);
+    RandomPoints draw(21);
     for (const int power : {0, -60, 60}) {  // at 2^300 the squares of a distance overflow
         scene::rays::RayGroup group;
         group.mesh = mesh_of(draw, power, binary64);

@@ -25,10 +25,10 @@ namespace {
 bool at_most(const Whole& a, const Whole& b) { return sign(a - b) <= 0; }
 
 /// The point as seen from an axis: s = v·f, and v² f² − s², which is v² times the square of its distance from the axis.
-struct Beside {
+struct PointFromAxis {
     Whole v2, s, aside;
 
-    Beside(const Vector<Whole>& o, const Vector<Whole>& from, const Vector<Whole>& to) {
+    PointFromAxis(const Vector<Whole>& o, const Vector<Whole>& from, const Vector<Whole>& to) {
         const Vector<Whole> v = to - from, f = o - from;
         v2 = dot(v, v), s = dot(v, f), aside = v2 * dot(f, f) - s * s;
     }
@@ -62,7 +62,7 @@ bool holds(const std::string& shape, const Asked<Whole>& q) {
         return at_most(n2 * e * e, Whole(4) * R2 * (n2 * f2 - af * af));
     }
     if (shape == "cylinder" || shape == "capsule" || shape == "cone") {
-        const Beside at(o, q.point(0), q.point(3));
+        const PointFromAxis at(o, q.point(0), q.point(3));
         const Whole side = at.v2 * n[6] * n[6];
         if (shape == "cylinder") return at.is_between() && at_most(at.aside, side);
         if (shape == "capsule")

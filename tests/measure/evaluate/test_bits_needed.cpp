@@ -21,7 +21,7 @@ using test::load;
 namespace {
 
 /// Every pixel's outcome and correct bits in one format, as the map has them.
-struct Collected {
+struct CollectedBits {
     std::vector<Outcome> outcomes;
     std::vector<double> correct;
     void add_band(const BandResult& r) {
@@ -33,11 +33,11 @@ struct Collected {
     }
 };
 
-std::vector<Collected> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form,
-                              const std::vector<std::string>& formats) {
+std::vector<CollectedBits> map_of(const scene::file::Scene& scene, const intersect::table::Intersector& form,
+                                  const std::vector<std::string>& formats) {
     MapStudy request{.scene = &scene, .tested_forms = {}, .metrics = {measure::metric::find_metric("correct_bits")}};
     for (const auto& f : formats) request.tested_forms.push_back({&form, *find_format(f)});
-    std::vector<Collected> all(formats.size());
+    std::vector<CollectedBits> all(formats.size());
     run_map(request, show_to_each(all));
     return all;
 }

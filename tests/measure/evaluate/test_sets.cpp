@@ -25,11 +25,11 @@ namespace {
 
 /// Three spheres and two boxes on a grid, and rays that start on it and go along it or nearly so: many rays touch,
 /// start on surfaces or inside, or hit two primitives at one t.
-struct Mixed {
+struct MixedScene {
     scene::rays::RayBlock rays;
     std::vector<Primitive<double>> spheres, boxes, all;
 
-    explicit Mixed(unsigned seed) {
+    explicit MixedScene(unsigned seed) {
         std::mt19937 engine(seed);
         const auto whole = [&engine](int most) { return double(int(engine() % unsigned(2 * most + 1)) - most); };
         const auto point = [&](int most) {
@@ -56,7 +56,7 @@ struct Mixed {
     }
 };
 
-Answers answers_of(const Intersector& form, const Mixed& mixed, const std::vector<Primitive<double>>& primitives,
+Answers answers_of(const Intersector& form, const MixedScene& mixed, const std::vector<Primitive<double>>& primitives,
                    const Format& format, bool unit) {
     const Band band(mixed.rays, primitives);
     auto inputs = band.inputs(format, {.unit_rays = unit || form.info->direction == intersect::Direction::unit});
@@ -86,7 +86,7 @@ constexpr std::array<std::optional<intersect::Touching>, 3> judgements{std::null
 TEST_CASE("a set returns the nearest answer of its forms in every format and register width", "[sets]") {
     int from_boxes = 0, from_spheres = 0;
     for (unsigned seed = 0; seed < draws(30U); ++seed) {
-        const Mixed mixed(seed);
+        const MixedScene mixed(seed);
         for (const auto& [of_sphere, of_box] : pairs) {
             const Intersector &a = form_named(of_sphere), &b = form_named(of_box);
             const Intersector& set = intersect::table::find_or_add_set({&b, &a});
@@ -123,7 +123,7 @@ TEST_CASE("a set returns the nearest answer of its forms in every format and reg
 TEST_CASE("each primitive in a set is judged by the contract of its own form", "[sets]") {
     int apart = 0;
     for (unsigned seed = 0; seed < draws(20U); ++seed) {
-        const Mixed mixed(seed);
+        const MixedScene mixed(seed);
         const Band band(mixed.rays, mixed.all);
         for (const auto& [of_sphere, of_box] : pairs) {
             const Intersector &a = form_named(of_sphere), &b = form_named(of_box);

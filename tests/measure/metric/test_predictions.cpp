@@ -20,22 +20,22 @@ using measure::stability::statistical_bound;
 namespace {
 
 /// A tape and its data, as the metrics receive them.
-struct Explained {
+struct ExplainedRay {
     Tape tape;
     Format format;
     Attribution attribution;
     RayAttribution blame;
     Outcome outcome = Outcome::agree_hit;
 
-    Explained(Tape of, const Format& in)
+    ExplainedRay(Tape of, const Format& in)
         : tape(std::move(of)), format(in), attribution(measure::attribution::attribute(tape)) {
         const double exact = attribution.errors[tape.outputs.t].exact;
         blame = {.tape = &tape,
                  .attribution = &attribution,
                  .ulp = std::ldexp(1.0, std::ilogb(exact) - in.parameters.precision + 1)};
     }
-    Explained(const Explained&) = delete;
-    Explained& operator=(const Explained&) = delete;
+    ExplainedRay(const ExplainedRay&) = delete;
+    ExplainedRay& operator=(const ExplainedRay&) = delete;
 
     [[nodiscard]] double metric(std::string_view name) const {
         return measure::metric::find_metric(name)->value(
@@ -112,7 +112,7 @@ TEST_CASE("three runs of a sum promise the bits of Student's factor, compared wi
     int seen[4] = {};
     for (int k = 1; k < 64; ++k) {
         // 1 + k/128 ulp: rounded at random to 1 or 1 + ulp.
-        const Explained sum(sum_of(1, k * ulp / 128), floats);
+        const ExplainedRay sum(sum_of(1, k * ulp / 128), floats);
         const int ups = ups_of(sum.tape);
         CHECK(ups_of(sum.tape) == ups);
         ++seen[ups];
@@ -135,7 +135,7 @@ TEST_CASE("three runs of a sum promise the bits of Student's factor, compared wi
     const RandomRuns exact(sum_of(1, ulp));
     CHECK(exact.t == std::array{1 + ulp, 1 + ulp, 1 + ulp});
     CHECK((exact.agree() && exact.correct_bits(24) == 24));
-    CHECK(Explained(sum_of(1, ulp), floats).metric("cestac_error") == 0);
+    CHECK(ExplainedRay(sum_of(1, ulp), floats).metric("cestac_error") == 0);
 }
 
 TEST_CASE("significant digits are overestimated where all runs lose them alike", "[metric]") {
@@ -146,7 +146,7 @@ TEST_CASE("significant digits are overestimated where all runs lose them alike",
         Tape tape = sum_of(1, k * ulp / 128, -1);
         const NodeId one = tape.add_input(binary32, 1);
         tape.outputs.t = tape.add(TapeOp::sub, binary32, 0, {tape.outputs.t, one});
-        const Explained sum(std::move(tape), floats);
+        const ExplainedRay sum(std::move(tape), floats);
         const auto t = RandomRuns(sum.tape).t;
         const bool alike = t[0] == t[1] && t[1] == t[2];
         INFO(k << ": " << t[0] / ulp << ' ' << t[1] / ulp << ' ' << t[2] / ulp);
@@ -161,7 +161,7 @@ TEST_CASE("stable and right decisions of three runs are told apart", "[metric]")
     int split = 0, together = 0;
     for (int k = 65; k < 128; ++k) {
         // Rounding to nearest gives 1 + ulp, a hit above 1, which is right; a run that rounds down misses.
-        Explained sum(sum_of(1, k * ulp / 128, 1), floats);
+        ExplainedRay sum(sum_of(1, k * ulp / 128, 1), floats);
         const int ups = ups_of(sum.tape);
         const bool is_split = ups == 1 || ups == 2;
         split += is_split, together += !is_split;
@@ -173,7 +173,7 @@ TEST_CASE("stable and right decisions of three runs are told apart", "[metric]")
     CHECK(split > 10);
     CHECK(together > 5);
     // Rounding to nearest gives 1, a miss, but the ray truly hits: the decision is explained, and t has no prediction.
-    Explained miss(sum_of(1, ulp / 128, 1), floats);
+    ExplainedRay miss(sum_of(1, ulp / 128, 1), floats);
     CHECK(std::isnan(miss.metric("cestac_bits")));
     CHECK(std::isnan(miss.metric("cestac_error")));
     CHECK(std::isnan(miss.metric("statistical_ratio")));
@@ -183,14 +183,14 @@ TEST_CASE("stable and right decisions of three runs are told apart", "[metric]")
 TEST_CASE("an error is compared with the root of the sum of squares", "[metric]") {
     for (const int k : {1, 7, 63}) {
         // One operation: k/128 ulp over half an ulp.
-        CHECK(Explained(sum_of(1, k * ulp / 128), floats).metric("statistical_ratio") == Approx(k / 64.0));
+        CHECK(ExplainedRay(sum_of(1, k * ulp / 128), floats).metric("statistical_ratio") == Approx(k / 64.0));
         // Two: (1 + k/128 ulp) + 1, half an ulp of 1 and one of 2, though the second rounds nothing.
         Tape tape = sum_of(1, k * ulp / 128);
         const NodeId one = tape.add_input(binary32, 1);
         tape.outputs.t = tape.add(TapeOp::add, binary32, 2, {tape.outputs.t, one});
-        CHECK(Explained(std::move(tape), floats).metric("statistical_ratio") == Approx(k / 64.0 / std::sqrt(5)));
+        CHECK(ExplainedRay(std::move(tape), floats).metric("statistical_ratio") == Approx(k / 64.0 / std::sqrt(5)));
     }
-    CHECK(Explained(sum_of(1, ulp), floats).metric("statistical_ratio") == 0);
+    CHECK(ExplainedRay(sum_of(1, ulp), floats).metric("statistical_ratio") == 0);
 }
 
 TEST_CASE("predictions are undefined without a recorded tape", "[metric]") {

@@ -22,12 +22,12 @@ const Primitive<double> ring(Torus<double>{{0, 0, 0}, {0, 0, 1}, 139, 40});
 const Primitive<double> pipe(Tube<double>{{0, 0, -4}, {0, 0, 4}, 1});
 
 /// All measurements at the place where a form hits one primitive.
-struct Measured {
+struct MeasuredPoint {
     std::array<SideOfPoint, 2> sides;
     std::vector<StrategyAtPoint> at = std::vector<StrategyAtPoint>(2 * all_strategies().size());
 
-    Measured(std::string_view form, const char* format, const Primitive<double>& primitive, const Ray<double>& ray,
-             double t, const std::optional<Vec<double>>& light = std::nullopt) {
+    MeasuredPoint(std::string_view form, const char* format, const Primitive<double>& primitive, const Ray<double>& ray,
+                  double t, const std::optional<Vec<double>>& light = std::nullopt) {
         const measure::evaluate::TestedForm of = row(form, format);
         const scene::rays::PrimitiveList<double> primitives(std::vector{primitive});
         const auto strategies = all_strategies();
@@ -131,7 +131,7 @@ TEST_CASE("offsets: the next wall of a tube is opposite, between the rims", "[me
 
 TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the torus loses it", "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
-        const Measured m("torus.closest_approach", format, ring, {{0, 0, 0}, {1, 0, 0}}, 99);
+        const MeasuredPoint m("torus.closest_approach", format, ring, {{0, 0, 0}, {1, 0, 0}}, 99);
         INFO(format << ", safe " << m.side_of_point(Side::outside).safe_offset << " and "
                     << m.side_of_point(Side::inside).safe_offset);
         CHECK(m.side_of_point(Side::outside).safe_offset < 1e-4);
@@ -144,7 +144,7 @@ TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the tor
         CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.side_of_point(Side::inside).rays);
     }
     // A point 2^-9 within the ring: all rays hit the ring that they leave, except those that are past it.
-    const Measured within("torus.closest_approach", "f64", ring, {{0, 0, 0}, {1, 0, 0}}, 99 + 0x1p-9);
+    const MeasuredPoint within("torus.closest_approach", "f64", ring, {{0, 0, 0}, {1, 0, 0}}, 99 + 0x1p-9);
     CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.side_of_point(Side::outside).rays);
     CHECK(within.side_of_point(Side::outside).safe_offset == Approx(0x1p-9).epsilon(1e-6));
 }
@@ -152,7 +152,7 @@ TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the tor
 TEST_CASE("offsets: the next wall is a true hit inside a tube, and rays leave on both sides of it",
           "[measure][offset]") {
     for (const char* format : {"f32", "f64"}) {
-        const Measured m("tube.framed", format, pipe, {{0, 0, 0}, {1, 0, 0}}, 1);
+        const MeasuredPoint m("tube.framed", format, pipe, {{0, 0, 0}, {1, 0, 0}}, 1);
         CHECK(m.side_of_point(Side::outside).safe_offset < 1e-4);
         CHECK(m.side_of_point(Side::inside).safe_offset < 1e-4);
         CHECK(m.by("offset.bound", Side::outside).bad_rays == 0);
@@ -162,7 +162,7 @@ TEST_CASE("offsets: the next wall is a true hit inside a tube, and rays leave on
     }
     // A pipe that is thinner than the move across it: the new origin is past the other wall.
     const Primitive<double> hair(Tube<double>{{0, 0, -4}, {0, 0, 4}, 0x1p-12});
-    const Measured past("tube.framed", "f64", hair, {{0, 0, 0}, {1, 0, 0}}, 0x1p-12);
+    const MeasuredPoint past("tube.framed", "f64", hair, {{0, 0, 0}, {1, 0, 0}}, 0x1p-12);
     CHECK(past.by("offset.epsilon", Side::outside)[Fault::lost_occluder] > 0);
     CHECK(past.by("offset.bound", Side::outside).bad_rays == 0);
 }
@@ -179,7 +179,7 @@ TEST_CASE("offsets: a far wall hit only by the moved ray is not a self-hit", "[m
     };
     for (const char* format : {"f32", "f64"}) {
         INFO(format);
-        const Measured on("torus.closest_approach", format, ring, down, 10, light_below(4e-4));
+        const MeasuredPoint on("torus.closest_approach", format, ring, down, 10, light_below(4e-4));
         for (const char* const strategy : {"offset.epsilon", "offset.bound", "offset.ulp_16", "offset.relative"}) {
             INFO(strategy);
             CHECK(on.by(strategy, Side::outside)[Fault::self_hit] == 0);
@@ -187,7 +187,7 @@ TEST_CASE("offsets: a far wall hit only by the moved ray is not a self-hit", "[m
         }
     }
     // Out of the open end of a pipe, beside its rim: moved toward the axis the ray meets the wall below the rim.
-    const Measured pipe_end("tube.framed", "f64", pipe, {{0, 0, 0}, {1, 0, 0}}, 1, Vec<double>(-3, 0, 8.002));
+    const MeasuredPoint pipe_end("tube.framed", "f64", pipe, {{0, 0, 0}, {1, 0, 0}}, 1, Vec<double>(-3, 0, 8.002));
     CHECK(find_far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_begin == Approx(0.5));
     CHECK(std::isinf(find_far_side({{1, 0, 0}, {-2, 0, 4.001}}, pipe).t_wall));
     CHECK(meets_before({{{0.999, 0, 0}, {-2, 0, 4.001}}, 0}, 1, pipe));
@@ -222,7 +222,7 @@ TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it
         {"triangle.moller_trumbore", Primitive<double>(Triangle<double>{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}})}};
     for (const auto& [form, primitive] : flat) {
         for (const double t : {3.0, 3.0 - 0x1p-20, 3.0 + 0x1p-20}) {
-            const Measured m(form, "f32", primitive, down, t);
+            const MeasuredPoint m(form, "f32", primitive, down, t);
             for (const Side side : both_sides) {
                 CAPTURE(form, t, name_of(side));
                 CHECK(m.by("offset.exclude", side).bad_rays == 0);

@@ -18,16 +18,16 @@ namespace {
 
 /// Primitives and half-lines that start within some units in the last place of a surface, exactly on it, or anywhere;
 /// into, out of and along it.
-struct Hostile {
+struct HostileLine {
     HalfLine line;
     Primitive<double> primitive;
 };
 
-Hostile hostile(Seeded& random, bool box, const FloatFormat& format) {
+HostileLine hostile(Seeded& random, bool box, const FloatFormat& format) {
     const auto stored = [&](const Vec<double>& v) { return test::stored(v, format); };
     const double size = random.magnitude(-12, 12), far = random.coin() ? random.magnitude(-4, 16) : 0;
     const Vec<double> centre = stored(far * random.vec(-1, 1));
-    Hostile h{{{{0, 0, 0}, {0, 0, 0}}, 0}, Sphere<double>{centre, test::stored(size, format)}};
+    HostileLine h{{{{0, 0, 0}, {0, 0, 0}}, 0}, Sphere<double>{centre, test::stored(size, format)}};
     Vec<double> n = random.vec(-1, 1);
     if (box) {
         const Vec<double> half = stored(Vec<double>(random.magnitude(-3, 3), random.magnitude(-10, 3), size));
@@ -62,7 +62,7 @@ TEST_CASE("half-lines: enclosures and rational arithmetic agree", "[measure][off
     std::array<int, 4> kinds{};
     for (const FloatFormat& format : {binary32, binary64}) {
         for (int k = 0; k < 40000; ++k) {
-            const Hostile h = hostile(random, k % 2 == 1, format);
+            const HostileLine h = hostile(random, k % 2 == 1, format);
             if (!h.line.is_proper()) continue;
             const Meeting met = find_meeting(h.line, h.primitive);
             const auto exact = test::exact_meeting(h.line, h.primitive);

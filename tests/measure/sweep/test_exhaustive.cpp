@@ -41,12 +41,12 @@ const std::string unit_sphere = "[sphere]\ncentre = [0, 0, 0]\nradius = 1";
 const std::string cube = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]";
 
 /// One form at one float, without packs.
-struct Alone {
+struct SingleRays {
     Outcome outcome;
     double ulps = truth::missing, padding = 0;
 };
 
-Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& row, float value) {
+SingleRays try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& row, float value) {
     const Ray<float> there = file.ray_at(ray, value);
     const auto wide = [](const Vec<float>& v) { return Vec<double>(v.x, v.y, v.z); };
     const Ray<double> given{wide(there.origin), wide(there.direction)};
@@ -57,7 +57,7 @@ Alone try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedForm& r
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
     const auto answer = asked_alone(row, {given.origin, d}, primitive, end);
-    Alone found{answer::classify(t.decision, answer.has_value(), answer.value_or(0))};
+    SingleRays found{answer::classify(t.decision, answer.has_value(), answer.value_or(0))};
     if (found.outcome == Outcome::agree_hit) found.ulps = truth::ulp_error(*answer, unit ? t.distance : t.t, binary32);
     if (found.outcome == Outcome::false_miss && narrow.is<Box>())
         found.padding = measure::metric::padding(there, narrow.box());
@@ -92,24 +92,24 @@ sweep::ExhaustiveState run(const sweep::ExhaustiveRequest& request) {
 }
 
 /// Number of floats compared, and number of wrong rows.
-struct Compared {
+struct Comparison {
     std::uint64_t floats = 0, wrong = 0;
 };
 
-Compared compare(const std::string& text, const std::vector<TestedForm>& tested_forms) {
+Comparison compare(const std::string& text, const std::vector<TestedForm>& tested_forms) {
     const TextFile written(text);
     const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     const auto request = request_of(file, tested_forms);
     const auto state = run(request);
     const auto binades = sweep::split_into_binades(file);
-    Compared compared;
+    Comparison compared;
     for (std::size_t b = 0; b < binades.size(); ++b) {
         for (std::size_t r = 0; r < file.rays.size(); ++r) {
             for (std::size_t k = 0; k < tested_forms.size(); ++k) {
                 sweep::FloatTally alone;
                 for (std::uint64_t i = 0; i < binades[b].floats.size(); ++i) {
                     const std::uint32_t place = binades[b].floats.at(i);
-                    const Alone at = try_alone(file, r, tested_forms[k], float_at(place));
+                    const SingleRays at = try_alone(file, r, tested_forms[k], float_at(place));
                     alone.add(place, at.outcome, at.ulps);
                     if (at.padding > (alone.padding ? alone.padding->u : 0)) alone.padding = {place, at.padding};
                 }
@@ -129,9 +129,9 @@ Compared compare(const std::string& text, const std::vector<TestedForm>& tested_
 TEST_CASE("every sphere form: sweeps over every float agree with single floats in distance, direction and radius") {
     const auto rows = all_rows(Shape::sphere, {"f32"});
     const std::string look = ray("half", "0.5, 0.25, 4200", "0, 0, -1") + ray("off", "1, 0.125, 4200", "0.25, 0, -1.5");
-    Compared all;
+    Comparison all;
     const auto with = [&](const std::string& axis, const std::string& rays) {
-        const Compared some = compare(sweep_text(axis, rays, unit_sphere), rows);
+        const Comparison some = compare(sweep_text(axis, rays, unit_sphere), rows);
         all.floats += some.floats;
         all.wrong += some.wrong;
     };
@@ -150,10 +150,10 @@ TEST_CASE("every sphere form: sweeps over every float agree with single floats i
 
 TEST_CASE("every cylinder form: sweeps over more than one chunk of radii agree with single floats") {
     // The line passes 6144 floats in: 4096 are a chunk.
-    const Compared all = compare(sweep_text("set = \"cylinder.radius\"\nfrom = \"0x1p-1\"\nto = \"0x1.0041p-1\"",
-                                            ray("beside", "-4, \"0x1.003p-1\", 0.25", "1, 0, 0"),
-                                            "[cylinder]\nbase = [0, 0, -1]\ntop = [0, 0, 1]\nradius = 1"),
-                                 all_rows(Shape::cylinder, {"f32"}));
+    const Comparison all = compare(sweep_text("set = \"cylinder.radius\"\nfrom = \"0x1p-1\"\nto = \"0x1.0041p-1\"",
+                                              ray("beside", "-4, \"0x1.003p-1\", 0.25", "1, 0, 0"),
+                                              "[cylinder]\nbase = [0, 0, -1]\ntop = [0, 0, 1]\nradius = 1"),
+                                   all_rows(Shape::cylinder, {"f32"}));
     CHECK(all.floats > 40000);
 }
 
@@ -162,9 +162,9 @@ TEST_CASE("every box form: sweeps over special values and the boundary agree wit
     const std::string rays = ray("over", "0.5, 0.25, 4", "0, 0, -1") + ray("face", "1, 0.25, 4", "-0.0, 0, -1") +
                              ray("end", "0.5, -1, 4", "0.25, 0, -1") + "tmax = 3\n" +
                              ray("before", "0.5, 0.25, 4", "0.25, 0, -1") + "tmax = 2\n";
-    Compared all;
+    Comparison all;
     const auto with = [&](const std::string& axis) {
-        const Compared some = compare(sweep_text(axis, rays, cube), rows);
+        const Comparison some = compare(sweep_text(axis, rays, cube), rows);
         all.floats += some.floats;
         all.wrong += some.wrong;
     };
@@ -198,7 +198,7 @@ TEST_CASE("every float of a binade from radius 4096 (a part in short tests) agre
     const std::string to = test::is_long() ? "0x1.fffffep12" : "0x1.07fffep12";
     const auto text = sweep_text("set = \"ray.origin.z\"\nfrom = 4096\nto = \"" + to + "\"",
                                  ray("half", "0.5, 0.25, 0", "0, 0, -1"), unit_sphere);
-    const Compared compared = compare(text, {row("sphere.schoolbook", "f32")});
+    const Comparison compared = compare(text, {row("sphere.schoolbook", "f32")});
     CHECK(compared.floats == (test::is_long() ? 1 << 23 : 1 << 18));
 }
 

@@ -49,8 +49,8 @@ bool equal(const std::optional<WorstResult>& a, const std::optional<WorstResult>
 bool is_of(double x, const FloatFormat& format) { return rounding::to_format(x, 0, format) == x; }
 
 /// One ray with one form alone, and its truth computed again.
-struct Alone {
-    Alone(const TestedForm& row, const Ray<double>& ray, const Primitive<double>& primitive)
+struct SingleRay {
+    SingleRay(const TestedForm& row, const Ray<double>& ray, const Primitive<double>& primitive)
         : truth(measure::truth::find_truth(ray, primitive, {}, row.form->info->touching)) {
         const auto answer = asked_alone(row, ray, primitive);
         hit = answer.has_value(), t = answer.value_or(0);
@@ -148,7 +148,7 @@ TEST_CASE("a search reports for its worst ray what that ray measures alone") {
             CAPTURE(name, tested_form.form->info->name, tested_form.format.name);
             const auto found = worst_of(search, tested_form);
             REQUIRE(found.has_value());
-            const Alone alone(tested_form, found->ray, found->primitive);
+            const SingleRay alone(tested_form, found->ray, found->primitive);
             CHECK(search.contains(found->ray, found->primitive));
             const bool agrees = found->outcome == Outcome::agree_hit;
             (agrees ? hits : wrong) += 1;
@@ -178,7 +178,7 @@ TEST_CASE("a search over empty ranges finds nothing, and a search stops at a wro
     REQUIRE(found.has_value());
     CHECK(found->outcome != Outcome::agree_hit);
     CHECK(found->evaluations < 64 * 64 * 32);
-    const Alone alone(row("sphere.schoolbook", "p5"), found->ray, found->primitive);
+    const SingleRay alone(row("sphere.schoolbook", "p5"), found->ray, found->primitive);
     CHECK(alone.hit == (found->outcome == Outcome::false_hit));
     CHECK(alone.truth.is_hit() == (found->outcome == Outcome::false_miss));
 }
@@ -206,7 +206,7 @@ TEST_CASE("the nearest false miss of the schoolbook form respects the error boun
         CHECK(found[r]->distance > floor);
         CHECK(found[r]->distance < 4 * floor);  // and near to it: the search is good
         CHECK(found[r]->distance == scene::sweep::distance_in_radii(found[r]->ray, found[r]->primitive.sphere()));
-        const Alone alone(what, found[r]->ray, found[r]->primitive);
+        const SingleRay alone(what, found[r]->ray, found[r]->primitive);
         CHECK((!alone.hit && alone.truth.is_hit()));
     }
 }

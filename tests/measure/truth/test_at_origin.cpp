@@ -22,14 +22,14 @@ using measure::truth::Truth;
 
 namespace {
 
-struct OnSphere {
+struct SphereOrigins {
     Vec<double> origin, direction;
     double radius;
 };
 
 /// Whole a² + b² + c² = n²; directions in, out of and along the sphere, some of them of no power of two's length. The
 /// centre is the origin, so that h = o·d and a = d·d are whole numbers too.
-const OnSphere on_sphere[] = {
+const SphereOrigins on_sphere[] = {
     {{1, 2, 2}, {-1, -2, -2}, 3},    {{1, 2, 2}, {-2, 0.5, -1}, 3},   {{3, 0, 0}, {-1, 0, 0}, 3},
     {{2, 3, 6}, {-6, 3, -2}, 7},     {{1, 4, 8}, {-0.25, -1, -4}, 9}, {{4, 4, 7}, {1, -9, 3}, 9},
     {{1, 2, 2}, {1, 2, 2}, 3},       {{1, 2, 2}, {2, -0.5, 1}, 3},    {{2, 3, 6}, {6, -3, 2}, 7},
@@ -38,7 +38,7 @@ const OnSphere on_sphere[] = {
     {{6, 10, 15}, {-1, -3, -1}, 19},
 };
 
-Sphere<double> sphere_of(const OnSphere& x) { return {{0, 0, 0}, x.radius}; }
+Sphere<double> sphere_of(const SphereOrigins& x) { return {{0, 0, 0}, x.radius}; }
 
 template <class T>
 Vec<T> lifted(const Vec<double>& v) {
@@ -80,7 +80,7 @@ TEST_CASE("every unrounded sphere form decides eyes on the surface as its contra
     std::set<std::string_view> undecided;
     intersect::sphere::SphereForms::for_each([&]<class Form>() {
         if constexpr (Form::info.formats == intersect::Formats::all) {
-            for (const OnSphere& x : on_sphere) {
+            for (const SphereOrigins& x : on_sphere) {
                 for (const Vec<double>& d : directions) {
                     const double h = dot(x.origin, d), a = dot(d, d);
                     if (!is_requested(Form::info, h)) continue;
@@ -143,7 +143,7 @@ TEST_CASE("every unrounded box form hits a box at t = 0 if the eye lies on it", 
 
 TEST_CASE("a form that skips t = 0 is judged by its own contract, not by another form's", "[measure][truth]") {
     const intersect::table::Intersector* const interval = &test::form_named("sphere.pbrt_interval");
-    for (const OnSphere& x : on_sphere) {
+    for (const SphereOrigins& x : on_sphere) {
         scene::rays::RayGroup group;
         group.rays.push({x.origin, x.direction});
         group.rays.width = 1;

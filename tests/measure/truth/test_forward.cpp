@@ -95,12 +95,12 @@ void check_first_order(Tally& tally, const Problem& problem, Seeded& rng) {
     tally.take(forward_error(there, problem.truth), kappa * t, backward_error(problem.ray, problem.primitive, there));
 }
 
-struct Both {
+struct BothBounds {
     Tally finite, first_order;
     void check(int at_least) const { finite.check(at_least), first_order.check(at_least); }
 };
 
-void try_ray(Both& both, const Ray<double>& ray, const Primitive<double>& primitive, bool anywhere, Seeded& rng) {
+void try_ray(BothBounds& both, const Ray<double>& ray, const Primitive<double>& primitive, bool anywhere, Seeded& rng) {
     if (!measure::truth::is_valid(ray) || !measure::truth::is_valid(primitive)) return;
     const auto truth = measure::truth::find_truth(ray, primitive);
     if (!truth.is_hit() || truth.t.is_zero() || std::abs(truth.t.exponent) > 900) return;
@@ -118,7 +118,7 @@ TEST_CASE("the forward error is at most condition number times backward error fo
         for (const auto& set : distribution.ray_sets()) {
             INFO(distribution.table << ", " << set.name);
             const bool at_edges = set.name == "edge-grazing";
-            Both both;
+            BothBounds both;
             Seeded rng(0xf0a3);
             int tried = 0;
             for (const auto& group : set.groups())

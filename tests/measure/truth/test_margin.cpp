@@ -44,12 +44,12 @@ struct Tally {
 };
 
 /// Findings about the rays of a distribution. Catch counts on one thread, so they are checked afterwards.
-struct Found {
+struct Findings {
     Tally margins, errors;
     int rays = 0;
     std::vector<std::string> contradictions;
 
-    void add(const Found& other) {
+    void add(const Findings& other) {
         margins.add(other.margins), errors.add(other.errors), rays += other.rays;
         contradictions.insert(contradictions.end(), other.contradictions.begin(), other.contradictions.end());
     }
@@ -61,16 +61,16 @@ Way random_way(std::uint64_t bits) {
     return way;
 }
 
-struct Seen {
+struct SeenWays {
     bool holds = true, is_tight = false;
 };
 
 /// Tests the margin `said`: no change by that part of each number changes the result, neither a random one nor one
 /// towards a zero of one of the functions. `is_tight` if a change that is a fifth larger does.
 template <class N, class Functions, class Same, class Turned>
-Seen look(const Problem<N>& problem, double said, std::uint64_t bits, const Functions& functions, const Same& same,
-          const Turned& turned) {
-    Seen seen;
+SeenWays look(const Problem<N>& problem, double said, std::uint64_t bits, const Functions& functions, const Same& same,
+              const Turned& turned) {
+    SeenWays seen;
     const double farther = std::max(1.2 * said, 0x1p-80);
     for (std::size_t k = 0; k < 4; ++k)
         seen.holds &= same(problem.moved(random_way(bits >> k * most_of_problem), said));
@@ -84,7 +84,7 @@ Seen look(const Problem<N>& problem, double said, std::uint64_t bits, const Func
 /// A ray at a primitive: the numbers computed for its problem, and those observed.
 class Trial {
 public:
-    Trial(Found& found, const Ray<double>& ray, const Primitive<double>& primitive, Seeded& rng)
+    Trial(Findings& found, const Ray<double>& ray, const Primitive<double>& primitive, Seeded& rng)
         : found_(found), ray_(ray), primitive_(primitive), rng_(rng) {
         ++found.rays;
     }
@@ -99,7 +99,7 @@ public:
         const bool in_order = root <= margin * (margin < most_tight ? 1.05 : 2);
         if (!(root >= 0 && in_order && margin <= 0.5)) contradict("margins", margin, root);
         const std::uint64_t bits = rng_.bits(60);
-        Seen seen;
+        SeenWays seen;
         const bool exact = in_exact_numbers([&]<class N>(const N&) {
             const Problem<N> problem(ray_, primitive_);
             const bool hit = is_hit(problem.shape, problem.x);
@@ -125,7 +125,7 @@ public:
         const double t = static_cast<double>(*root) * (1 + off);
         const double error = backward_error(ray_, primitive_, t);
         const std::uint64_t bits = rng_.bits(60);
-        Seen seen;
+        SeenWays seen;
         const bool exact = in_exact_numbers([&]<class N>(const N&) {
             const Problem<N> problem(ray_, primitive_);
             const Shape shape = problem.shape;
@@ -156,13 +156,13 @@ private:
         found_.contradictions.push_back(out.str());
     }
 
-    Found& found_;
+    Findings& found_;
     const Ray<double>& ray_;
     Primitive<double> primitive_;
     Seeded& rng_;
 };
 
-void try_ray(Found& found, const Ray<double>& ray, const Primitive<double>& primitive, Seeded& rng) {
+void try_ray(Findings& found, const Ray<double>& ray, const Primitive<double>& primitive, Seeded& rng) {
     Trial trial(found, ray, primitive, rng);
     trial.check_margin();
     trial.check_backward();
@@ -176,7 +176,7 @@ const int rays_per_distribution = [] {
 /// The hard rays of a shape, on all threads.
 void check_distributions(Shape shape, std::initializer_list<FloatFormat> formats) {
     const auto distributions = test::hard_distributions(shape, formats);
-    std::vector<Found> parts(distributions.size());
+    std::vector<Findings> parts(distributions.size());
     intersect::process::in_parallel(std::size_t{0}, distributions.size(), [&](std::size_t i) {
         Seeded rng(0x3a61);
         for (int k = 0; k < rays_per_distribution; ++k) {
@@ -185,8 +185,8 @@ void check_distributions(Shape shape, std::initializer_list<FloatFormat> formats
                 try_ray(parts[i], ray, primitive, rng);
         }
     });
-    Found found;
-    for (const Found& part : parts) found.add(part);
+    Findings found;
+    for (const Findings& part : parts) found.add(part);
     for (const std::string& contradiction : found.contradictions) FAIL_CHECK(contradiction);
     if (rays_per_distribution > test::draws(400))
         WARN(found.rays << " rays, " << found.contradictions.size() << " contradictions");
@@ -249,7 +249,7 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
 namespace {
 
 /// Findings of an attack on the margins of a shape.
-struct Attacked {
+struct AttackedMargin {
     int problems = 0, missing = 0, small = 0;
     std::vector<std::string> contradictions;
 };
@@ -290,7 +290,7 @@ std::string in_hex(const test::MarginProblem& problem) {
     return out.str();
 }
 
-void attack(Attacked& seen, const test::MarginProblem& problem, Seeded& rng) {
+void attack(AttackedMargin& seen, const test::MarginProblem& problem, Seeded& rng) {
     const auto contradict = [&](const char* what, double by) {
         std::ostringstream out;
         out << what << ' ' << by << " of " << in_hex(problem);
@@ -320,7 +320,7 @@ TEST_CASE("margins are the least changes to a factor of two for every shape", "[
     for (const auto& row : shape_rows) {
         if (!is_primitive(row.shape)) continue;
         INFO(row.name);
-        std::vector<Attacked> parts(static_cast<std::size_t>(test::MarginProblems::kinds) * 8);
+        std::vector<AttackedMargin> parts(static_cast<std::size_t>(test::MarginProblems::kinds) * 8);
         intersect::process::in_parallel(std::size_t{0}, parts.size(), [&](std::size_t i) {
             Seeded rng(0x5eed + i);
             test::MarginProblems problems(row.shape, rng);
@@ -328,8 +328,8 @@ TEST_CASE("margins are the least changes to a factor of two for every shape", "[
                 if (const auto problem = problems.draw(static_cast<int>(i % test::MarginProblems::kinds)))
                     attack(parts[i], *problem, rng);
         });
-        Attacked all;
-        for (const Attacked& part : parts) {
+        AttackedMargin all;
+        for (const AttackedMargin& part : parts) {
             all.problems += part.problems, all.missing += part.missing, all.small += part.small;
             for (const std::string& contradiction : part.contradictions) FAIL_CHECK(contradiction);
         }

@@ -67,9 +67,9 @@ std::vector<ExpectedCrossing> brute_force(const Point& o, const Point& d, const 
     return met;
 }
 
-class Draw {
+class RandomMeshRays {
 public:
-    explicit Draw(std::uint64_t seed) : random_(seed) {}
+    explicit RandomMeshRays(std::uint64_t seed) : random_(seed) {}
     Point point(int half) { return {in(half), in(half), in(half)}; }
     Corners triangle(int half) {
         for (;;) {
@@ -89,7 +89,7 @@ private:
 };
 
 /// The faces of a box, some of them divided differently, turned inside out if `turn`.
-void add_box(std::vector<Corners>& mesh, const Point& lo, const Point& size, bool turn, Draw& draw) {
+void add_box(std::vector<Corners>& mesh, const Point& lo, const Point& size, bool turn, RandomMeshRays& draw) {
     for (int axis = 0; axis < 3; ++axis)
         for (int end = 0; end < 2; ++end) {
             const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -140,7 +140,7 @@ void check_ray(const Point& o, const Point& d, const std::vector<Corners>& mesh,
 }  // namespace
 
 TEST_CASE("crossings of rays with triangles agree with integer arithmetic, also for ties and on rims") {
-    Draw draw(17);
+    RandomMeshRays draw(17);
     std::size_t met = 0, ties = 0, rims = 0;
     for (int soup = 0; soup < 20; ++soup) {
         std::vector<Corners> mesh;
@@ -223,7 +223,7 @@ TEST_CASE("the side from which a line crosses a triangle and its nearest edges a
 }
 
 TEST_CASE("winding numbers of points agree with the boxes of which a mesh consists") {
-    Draw draw(23);
+    RandomMeshRays draw(23);
     std::size_t on_surface = 0, deep = 0;
     for (int scene = 0; scene < 40; ++scene) {
         std::vector<Corners> mesh;

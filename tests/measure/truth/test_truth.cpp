@@ -142,7 +142,7 @@ std::string contradiction(const Ray<double>& ray, const Primitive<double>& primi
 }
 
 /// Findings about the rays of a distribution.
-struct Found {
+struct TruthCounts {
     int rays = 0, hits = 0, escalated = 0;
     std::string report;
 
@@ -178,7 +178,7 @@ struct Found {
 template <class Distribution>
 void check(const Distribution& distribution, const FloatFormat& storage, std::uint64_t seed) {
     Seeded rng(seed);
-    Found found;
+    TruthCounts found;
     for (int i = 0; i < test::draws(rays_of(distribution, storage)); ++i) {
         const auto s = distribution.make(rng, storage);
         if (!keeps(distribution.promise, s)) found.add("the generator missed its aim", s, range_of(s));
@@ -203,7 +203,7 @@ template <class Families>
 void check_in_ranges(const Families& distributions, const FloatFormat& storage, std::uint64_t seed) {
     for (const auto& distribution : distributions) {
         Seeded rng(seed);
-        Found found;
+        TruthCounts found;
         for (int i = 0; i < test::draws(400); ++i) {
             const auto s = distribution.make(rng, storage);
             for (int k = 0; k < 3; ++k)

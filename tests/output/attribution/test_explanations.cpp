@@ -30,7 +30,7 @@ using output::attribution::MarchEnd;
 
 namespace {
 
-struct Asked {
+struct RayQuestion {
     const Intersector* form;
     Format format;
     scene::rays::RayGroup group;
@@ -43,7 +43,7 @@ struct Asked {
 };
 
 /// An explained ray in each of its outputs.
-struct Shown {
+struct ShownRay {
     OneRay ray;
     Explanation x;
     std::optional<MarchEnd> march;
@@ -51,7 +51,7 @@ struct Shown {
     std::string text;
     nlohmann::json json;
 
-    explicit Shown(const Asked& of)
+    explicit ShownRay(const RayQuestion& of)
         : ray(of.ray()),
           x(measure::attribution::explain_alone(*of.form, of.format, ray)),
           march(output::attribution::find_march_end(*of.form, of.format, ray)),
@@ -66,7 +66,7 @@ std::size_t below(Random& random, std::size_t n) {
 }
 
 /// Numbers, some of them degenerate: zeros, very far, very small. One ray in three has two primitives.
-Asked draw(Random& random, const Intersector& form, const Format& format) {
+RayQuestion draw(Random& random, const Intersector& form, const Format& format) {
     constexpr std::array far{1.0, 1.0, 30.0, 2000.0};
     Setting s = draw_setting(random, form, format, far[below(random, far.size())]);
     const auto in_format = [&](double x) { return rounding::to_format(x, 0, format.parameters); };
@@ -75,7 +75,7 @@ Asked draw(Random& random, const Intersector& form, const Format& format) {
         for (int k = 0; k < 3; ++k)
             if (below(random, 8) == 0) (*v)[k] = in_format(odd[below(random, odd.size())]);
     if (s.ray.direction == Vec<double>(0, 0, 0)) s.ray.direction.x = 1;
-    Asked asked{&form, format, scene::rays::group_of(s.ray)};
+    RayQuestion asked{&form, format, scene::rays::group_of(s.ray)};
     asked.group.primitives = s.primitives;
     if (is_primitive(form.shape) && random.one_in(3))
         asked.group.primitives.push_back(draw_setting(random, form, format, 1).primitives.front());
@@ -120,9 +120,9 @@ void on_explained_rays(int rays, std::uint64_t seed, const See& see) {
             const Format format = *find_format(name);
             if (!form.exists_in(format) || (!is_long() && (place + seed) % formats.size() != f)) continue;
             for (int i = 0; i < rays; ++i) {
-                Asked asked = draw(random, form, format);
+                RayQuestion asked = draw(random, form, format);
                 INFO(form.info->name << " in " << name << ", ray " << i);
-                const Shown plain(asked);
+                const ShownRay plain(asked);
                 see(asked, plain);
                 for (int k = 0; k < 2; ++k) {
                     const Range<double> range = draw_range(random, plain.x);
@@ -130,7 +130,7 @@ void on_explained_rays(int rays, std::uint64_t seed, const See& see) {
                     asked.group.rays.tmax = {range.tmax};
                     asked.group.rays.open_ends = range.open_ends;
                     INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open_ends));
-                    see(asked, Shown(asked));
+                    see(asked, ShownRay(asked));
                 }
             }
         }
@@ -145,7 +145,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 /// The decision without rounding, by the tape, which has no range, and the function that batches call.
-std::optional<bool> exact_decision(const Asked& asked, const Explanation& explanation) {
+std::optional<bool> exact_decision(const RayQuestion& asked, const Explanation& explanation) {
     const OneRay ray = asked.ray();
     const OneRay::Inputs in = ray.inputs(*asked.form, asked.format);
     const auto aim = in.format_inputs.target_for(*asked.form, static_cast<std::size_t>(explanation.primitive_index));
@@ -176,7 +176,7 @@ const std::regex& raw_number() {
 
 TEST_CASE("explained rays have the same verdict as text, JSON and table for every ray, range and convention") {
     std::map<std::string, int> seen;
-    on_explained_rays(is_long() ? 40 : 2, 65, [&](const Asked&, const Shown& s) {
+    on_explained_rays(is_long() ? 40 : 2, 65, [&](const RayQuestion&, const ShownRay& s) {
         INFO(s.text);
         for (const auto& [key, says] :
              {std::pair{"answer", s.verdict.answer}, {"verdict", s.verdict.loss}, {"sentence", s.verdict.blame}}) {
@@ -222,7 +222,7 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
 
 TEST_CASE("the range of a ray is among the inputs and on the tape, and its decisions agree with the form") {
     int limits = 0, decided = 0, turned = 0;
-    on_explained_rays(is_long() ? 40 : 3, 66, [&](const Asked& asked, const Shown& s) {
+    on_explained_rays(is_long() ? 40 : 3, 66, [&](const RayQuestion& asked, const ShownRay& s) {
         INFO(s.text);
         const OneRay::Inputs in = s.ray.inputs(*asked.form, asked.format);
         const auto answers = measure::answer::evaluate(*asked.form, in.format_inputs);
@@ -248,7 +248,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
 
 TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
     std::map<std::string, int> seen;
-    on_explained_rays(is_long() ? 40 : 3, 67, [&](const Asked&, const Shown& s) {
+    on_explained_rays(is_long() ? 40 : 3, 67, [&](const RayQuestion&, const ShownRay& s) {
         const output::attribution::OperationView words(s.x);
         std::vector<std::string> sentences = lines_of(s.verdict.text() + output::attribution::sums_text(s.x, words));
         sentences.push_back(s.json["largest_sentence"]);
@@ -271,7 +271,7 @@ TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
 TEST_CASE("shares, roundings and errors that are not finite are reported as missing") {
     // These may overflow in ways that the tests do not find.
     int said = 0;
-    on_explained_rays(1, 69, [&](const Asked&, const Shown& s) {
+    on_explained_rays(1, 69, [&](const RayQuestion&, const ShownRay& s) {
         if (s.x.attribution.culprit == no_node) return;
         for (const double odd : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
             for (int what = 0; what < 4; ++what) {
@@ -297,7 +297,7 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
 
 TEST_CASE("operations marked as not on the way change neither the decision nor t, whatever their value") {
     int changed = 0;
-    on_explained_rays(1, 68, [&](const Asked& asked, const Shown& s) {
+    on_explained_rays(1, 68, [&](const RayQuestion& asked, const ShownRay& s) {
         if (asked.format.name == std::string("f64")) return;
         const auto [hit, t, near, far] = s.x.tape.outputs;
         const output::attribution::OperationView words(s.x);

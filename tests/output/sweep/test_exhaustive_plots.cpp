@@ -27,8 +27,8 @@ const std::string sphere = "[sphere]\ncentre = [0, 0, 0]\nradius = 1\n";
 const std::string box = "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n";
 
 /// A sweep that was run.
-struct Ran {
-    Ran(const std::string& text, const std::vector<TestedForm>& tested_forms)
+struct FinishedSweep {
+    FinishedSweep(const std::string& text, const std::vector<TestedForm>& tested_forms)
         : written(text), file(written.path(), LOSTBITS_DATA_DIR), request{.sweep = file, .tested_forms = tested_forms} {
         measure::sweep::run_exhaustive(request, state);
     }
@@ -49,8 +49,8 @@ std::vector<std::string> labels(const std::vector<Series>& series) {
 }  // namespace
 
 TEST_CASE("a plot has one flat segment per binade, limited to what was tried, and 64 wrong floats are visible") {
-    const Ran ran(sweep_text("ray.origin.x", "from = \"0x1.fp-1\"\nto = \"0x1.08p0\"", sphere),
-                  {row("sphere.schoolbook", "f32"), row("sphere.hearn_baker", "f32")});
+    const FinishedSweep ran(sweep_text("ray.origin.x", "from = \"0x1.fp-1\"\nto = \"0x1.08p0\"", sphere),
+                            {row("sphere.schoolbook", "f32"), row("sphere.hearn_baker", "f32")});
     const auto plots = ran.plots();
     REQUIRE(plots.has_value());
     const auto& wrong = plots->wrong.series;
@@ -70,7 +70,7 @@ TEST_CASE("a plot has one flat segment per binade, limited to what was tried, an
     CHECK(plots->wrong.x.title == "x, in radii");
     CHECK(plots->wrong.subtitle.front() == "A test");
     const std::string below = sweep_text("ray.origin.x", "from = \"-0x1.00001p0\"\nto = \"-0x1.ffffp-1\"", sphere);
-    const Ran open("convention = \"open\"\n" + below, {row("sphere.schoolbook", "f32")});
+    const FinishedSweep open("convention = \"open\"\n" + below, {row("sphere.schoolbook", "f32")});
     CHECK(open.plots()->wrong.x.title == "x, in radii, below 0, in size");
     CHECK(open.plots()->wrong.subtitle.front() == "A test, judged by the open primitive");
 }
@@ -80,7 +80,7 @@ TEST_CASE("both signs are drawn apart, subnormal numbers have a place, and missi
     for (const bool falls : {false, true}) {
         std::string range = around_zero;
         if (falls) range = "to = \"-0x1.00002p-126\"\nfrom = \"0x1.00002p-126\"";
-        const Ran ran(sweep_text("ray.origin.x", range, box), {row("box.signs", "f32")});
+        const FinishedSweep ran(sweep_text("ray.origin.x", range, box), {row("box.signs", "f32")});
         const auto plots = ran.plots();
         REQUIRE(plots.has_value());
         CHECK(labels(plots->wrong.series) == std::vector<std::string>{"signs (x > 0)", "signs (x < 0)"});
@@ -97,8 +97,8 @@ TEST_CASE("both signs are drawn apart, subnormal numbers have a place, and missi
 }
 
 TEST_CASE("a sweep within one binade has no plots") {
-    const Ran narrow(sweep_text("ray.origin.x", "from = 1\nto = \"0x1.00001p0\"", sphere),
-                     {row("sphere.schoolbook", "f32")});
+    const FinishedSweep narrow(sweep_text("ray.origin.x", "from = 1\nto = \"0x1.00001p0\"", sphere),
+                               {row("sphere.schoolbook", "f32")});
     CHECK_FALSE(narrow.plots().has_value());
 }
 

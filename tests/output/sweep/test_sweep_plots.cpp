@@ -40,8 +40,8 @@ std::optional<output::sweep::AxisPart> part_of(const std::string& text, const Fl
 }
 
 /// A sweep whose numbers are made up.
-struct Made {
-    Made()
+struct MadePlots {
+    MadePlots()
         : text(sweep_of("rays = 16", "distance", "2", "\"0x1p20\"", steps)),
           sweep(text.path(), LOSTBITS_DATA_DIR),
           request{.sweep = sweep, .tested_forms = {row("sphere.schoolbook", "f32")}, .metrics = {}} {
@@ -69,11 +69,11 @@ struct Made {
 };
 
 /// Number of pixels with a colour, and the highest and lowest line that has one.
-struct Found {
+struct FoundMarks {
     int pixels = 0, top = -1, foot = -1;
 };
-Found find(const image::PngImage& image, image::Rgb8 colour) {
-    Found found;
+FoundMarks find(const image::PngImage& image, image::Rgb8 colour) {
+    FoundMarks found;
     for (int y = 0; y < image.height; ++y) {
         for (int x = 0; x < image.width * 7 / 10; ++x) {  // without the legend
             if (image.pixels[y * image.width + x] != colour) continue;
@@ -89,28 +89,28 @@ Found find(const image::PngImage& image, image::Rgb8 colour) {
 
 TEST_CASE("a plot of one false miss in a thousand rays differs from that of none, and of a false hit") {
     const Scratch folder;
-    Made made;
+    MadePlots made;
     const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.tested_forms[0].form));
     const auto drawn = [&](Outcome o) {
         output::image::save_figure(folder / "w.png", output::sweep::outcome_plot(made.measured(), made.format(), o));
         return find(backend().read_png(folder / "w.png"), line);
     };
     static_cast<void>(backend());
-    const Found none = drawn(Outcome::false_miss);
+    const FoundMarks none = drawn(Outcome::false_miss);
     CHECK(none.pixels > 300);
     CHECK(none.foot - none.top <= 3);  // level, at 0
     for (std::size_t k = 20; k < steps; ++k) made.put(Outcome::false_miss, k, 1);
-    const Found first = drawn(Outcome::false_miss);
+    const FoundMarks first = drawn(Outcome::false_miss);
     CHECK(std::abs(first.foot - none.foot) <= 1);
     CHECK(none.foot - first.top > 30);
     for (std::size_t k = 20; k < steps; ++k) made.put(Outcome::false_miss, k, rays);
-    const Found all = drawn(Outcome::false_miss);
+    const FoundMarks all = drawn(Outcome::false_miss);
     CHECK(first.top - all.top > 200);  // a thousandth is not near to all
     // No ray truly misses, so that none can be a false hit: a line at 0 would say that the form is good at it.
     CHECK(drawn(Outcome::false_hit).pixels == 0);
     CHECK(backend().read_png(folder / "w.png").height < 200);  // a sentence, without a frame
     made.made[0].summaries[0].true_hits = rays - 1;
-    const Found hits = drawn(Outcome::false_hit);
+    const FoundMarks hits = drawn(Outcome::false_hit);
     CHECK(hits.pixels > 300);
     CHECK(hits.foot - hits.top <= 3);
 
@@ -124,7 +124,7 @@ TEST_CASE("a plot of one false miss in a thousand rays differs from that of none
 TEST_CASE("an envelope is drawn for a form that returns t, and not for one that does not") {
     const Scratch folder;
     for (const bool tells : {true, false}) {
-        Made made;
+        MadePlots made;
         for (auto& step : made.made) {
             if (tells) step.summaries[0].metrics[0].add(3.0);
             step.summaries[0].metrics[1].add(2.0);
