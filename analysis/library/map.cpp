@@ -24,7 +24,7 @@ std::unique_ptr<lostbits_result> make_map_result(const lostbits_scene& scene_han
     study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
 
     auto result = std::make_unique<lostbits_result>();
-    const auto summary = output::map::summary_table(study.metrics, scene.shapes(), scene.mesh != nullptr);
+    const auto summary = output::map::make_summary_table(study.metrics, scene.shapes(), scene.mesh != nullptr);
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
 
     // The tables with a row per ray are filled while the map is measured.

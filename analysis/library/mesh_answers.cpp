@@ -95,9 +95,9 @@ std::unique_ptr<lostbits_result> judge_answers(const lostbits_rays& rays, const 
 
     auto result = std::make_unique<lostbits_result>();
     result->add_table<output::judge::MeshSummaryRow>(
-        "summary", output::judge::mesh_summary_table(kind),
+        "summary", output::judge::make_mesh_summary_table(kind),
         {{measure::judge::name_of_answers("arrays"), std::string(ray_file->format().name), &judgement}});
-    if (answers.rows != 0) result->add_table("rows", output::judge::mesh_answer_table(kind), rows);
+    if (answers.rows != 0) result->add_table("rows", output::judge::make_mesh_answer_table(kind), rows);
     return result;
 }
 

@@ -125,8 +125,8 @@ std::unique_ptr<lostbits_result> make_judgement_result(const lostbits_rays& rays
 
     // The summary is the first table of the result.
     auto result = std::make_unique<lostbits_result>();
-    const auto summary = output::map::summary_table(request.metrics, list_shapes(given_rays),
-                                                    given_rays.mesh != nullptr, request.group_column ? "by" : "");
+    const auto summary = output::map::make_summary_table(request.metrics, list_shapes(given_rays),
+                                                         given_rays.mesh != nullptr, request.group_column ? "by" : "");
     ResultTable& table = result->tables.emplace_back("summary", summary.columns());
     std::deque<RayTable> ray_tables = add_ray_tables(*result, chosen, request.tested_forms, request.metrics);
     const auto judgement =
@@ -140,8 +140,8 @@ std::unique_ptr<lostbits_result> make_judgement_result(const lostbits_rays& rays
         return output::attribution::explain_ray_arguments(ray.given.get());
     };
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
-        for (const auto& row : output::map::summary_rows(r, request.tested_forms[r], judgement.summaries[r],
-                                                         judgement.groups, name_worst_ray))
+        for (const auto& row : output::map::make_summary_rows(r, request.tested_forms[r], judgement.summaries[r],
+                                                              judgement.groups, name_worst_ray))
             summary.add_row(csv, row);
     }
     result->texts = find_suspicions(request, judgement);

@@ -61,7 +61,7 @@ void ResultTable::seal() {
 }
 
 std::vector<Column> RayTable::columns(const std::vector<const Metric*>& metrics) {
-    std::vector<Column> columns = output::map::pixel_table(metrics).columns();
+    std::vector<Column> columns = output::map::make_pixel_table(metrics).columns();
     std::erase_if(columns, [](const Column& column) {
         return column.name == "x" || column.name == "y" || column.name == "t_hex" || column.name == "truth_hex";
     });

@@ -42,7 +42,8 @@ std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& 
     auto result = std::make_unique<lostbits_result>();
     result->add_table("samples", output::sweep::sample_table(request),
                       output::sweep::sample_rows(request, measured_sweep.steps));
-    if (sweep.axes.size() == 1) result->add_table("onsets", output::sweep::onset_table(request), measured_sweep.onsets);
+    if (sweep.axes.size() == 1)
+        result->add_table("onsets", output::sweep::make_onset_table(request), measured_sweep.onsets);
     return result;
 }
 
@@ -104,8 +105,8 @@ std::unique_ptr<lostbits_result> make_study_result(const scene::file::Scene& sce
     study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("summary", Adapter::Presentation::summary_table(),
-                      Adapter::Presentation::summary_rows(study, summaries));
+    result->add_table("summary", Adapter::Presentation::make_summary_table(),
+                      Adapter::Presentation::make_summary_rows(study, summaries));
     return result;
 }
 
@@ -117,8 +118,10 @@ std::unique_ptr<lostbits_result> make_trade_result(const scene::file::Scene* sce
     request.plan.progress = settings.advance_callback(measure::trade::trade_units(request));
     const auto measured_trade = measure::trade::run_trade(request);
     auto result = std::make_unique<lostbits_result>();
-    result->add_table("trade", output::trade::time_table(), output::trade::time_rows(request, measured_trade));
-    result->add_table("pareto", output::trade::pareto_table(), output::trade::pareto_rows(request, measured_trade));
+    result->add_table("trade", output::trade::make_time_table(),
+                      output::trade::make_time_rows(request, measured_trade));
+    result->add_table("pareto", output::trade::make_pareto_table(),
+                      output::trade::make_pareto_rows(request, measured_trade));
     result->texts.push_back(output::trade::trade_text(request, measured_trade));
     return result;
 }
@@ -158,8 +161,9 @@ bool mend_into(lostbits_result& result, const scene::file::Scene& scene,
     const auto repair = measure::repair::repair_form(request);
     const output::repair::RepairSummary repair_summary = output::repair::summarise_repair(request, repair);
 
-    result.add_table("mend", output::repair::form_table(), output::repair::form_rows(repair_summary));
-    result.add_table("minimal", output::repair::minimal_table(), output::repair::minimal_rows(repair_summary));
+    result.add_table("mend", output::repair::make_form_table(), output::repair::make_form_rows(repair_summary));
+    result.add_table("minimal", output::repair::make_minimal_table(),
+                     output::repair::make_minimal_rows(repair_summary));
     result.add_table("probes", output::repair::probe_table(), output::repair::probe_rows(repair_summary));
     result.texts.push_back(output::repair::repair_text(repair_summary));
     const bool is_better =
@@ -187,8 +191,8 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
     const auto choice = output::choose::choose_among(request, candidates, timed_rays);
-    result.add_table("choose", output::choose::candidate_table(), output::choose::candidate_rows(choice));
-    result.add_table("room", output::choose::margin_table(), choice.margins);
+    result.add_table("choose", output::choose::make_candidate_table(), output::choose::make_candidate_rows(choice));
+    result.add_table("room", output::choose::make_margin_table(), choice.margins);
     result.texts.push_back(output::choose::choice_text(choice));
     return choice.cheapest_index.has_value();
 }

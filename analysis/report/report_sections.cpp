@@ -73,7 +73,7 @@ SweepSection measure_case_section(const PlannedSweep& planned, StopToken stop) {
         const std::string alt =
             touching ? fmt::format("{}, judged by the {} primitive", file.title, intersect::convention_name(touching))
                      : file.title;
-        section.charts.push_back({alt, svg_text(output::sweep::case_matrix(request, cases, touching)),
+        section.charts.push_back({alt, svg_text(output::sweep::draw_case_matrix(request, cases, touching)),
                                   std::string(intersect::convention_name(touching)), false});
     }
     return section;
@@ -87,13 +87,13 @@ std::vector<output::report::Chart> line_charts(const output::sweep::MeasuredSwee
         const std::string subject = fmt::format("{}, {}", sweep.request.sweep.title, format.name);
         for (const auto& [q, title, name] : {std::tuple(0.99, "99th percentile of lost bits: ", "lost_bits_p99"),
                                              {0.5, "Median of lost bits: ", "lost_bits_p50"}})
-            charts.push_back({title + subject, svg_text(lost_bits_plot(sweep, format, q, size)),
+            charts.push_back({title + subject, svg_text(draw_lost_bits_plot(sweep, format, q, size)),
                               fmt::format("{}.{}", name, format.name)});
         for (const auto outcome : output::sweep::wrong_outcomes(sweep, format)) {
             if (!output::sweep::has_outcome(sweep, format, outcome)) continue;
             charts.push_back(
                 {output::sweep::outcome_title(outcome) + ": " + subject,
-                 svg_text(outcome_plot(sweep, format, outcome, size)),
+                 svg_text(draw_outcome_plot(sweep, format, outcome, size)),
                  fmt::format("{}_fraction.{}", measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
                              format.name)});
         }
@@ -123,7 +123,7 @@ void add_plane(SweepSection& section, const measure::sweep::SweepRequest& reques
             fmt::format("{}: {} in {}", request.sweep.title, request.tested_forms[r].form->info->name,
                         request.tested_forms[r].format.name);
         section.charts.push_back(
-            {alt, svg_text(output::sweep::plane_picture(request, steps, r)), section.tested_form_names[r], false});
+            {alt, svg_text(output::sweep::draw_plane_picture(request, steps, r)), section.tested_form_names[r], false});
     }
 }
 
@@ -133,7 +133,7 @@ void add_line(SweepSection& section, const measure::sweep::SweepRequest& request
     const auto onsets = measure::sweep::find_onsets(request, steps);
     section.axes = {request.sweep.axes.front().values};
     section.json = output::report::sweep_json(request, steps, onsets);
-    section.table = output::report::onset_table(request, onsets);
+    section.table = output::report::make_onset_table(request, onsets);
 
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     section.charts = line_charts(measured);
@@ -202,7 +202,7 @@ output::report::MapSection measure_map_section(PlannedMap& planned, measure::met
             .tested_form_names = names_of_tested_forms(planned.tested_forms),
             .index = std::move(index),
             .named_data = data.named_data(summaries),
-            .table = output::report::summary_table(request, summaries),
+            .table = output::report::make_summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
             .has_scene_size = planned.has_own_size,
             .metrics = std::move(names),
@@ -270,7 +270,7 @@ output::report::TradeSection measure_trade_section(Shape shape, const std::vecto
     const auto sets = measure::trade::ray_sets(shape);
     for (std::size_t s = 0; s < sets.size(); ++s)
         section.charts.push_back({fmt::format("Time against kept bits: {}", sets[s].title),
-                                  svg_text(draw_scatter_plot(output::trade::trade_plot(request, result, s))),
+                                  svg_text(draw_scatter_plot(output::trade::make_trade_plot(request, result, s))),
                                   std::string(sets[s].name)});
     return section;
 }

@@ -107,12 +107,12 @@ output::report::ChoiceSection measure_choice_section(const PlannedChoice& planne
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);
     const auto chosen = output::choose::choose_among(request, candidates, timed_rays);
-    return {
-        .scene = planned.scene.id,
-        .requirement = output::choose::requirement_text(planned.requirement),
-        .text = output::choose::choice_text(chosen),
-        .table = output::report::choice_table(chosen),
-        .front_chart = {fmt::format("Time against kept bits on {}", planned.scene.id), svg_text(pareto_plot(chosen))}};
+    return {.scene = planned.scene.id,
+            .requirement = output::choose::requirement_text(planned.requirement),
+            .text = output::choose::choice_text(chosen),
+            .table = output::report::choice_table(chosen),
+            .front_chart = {fmt::format("Time against kept bits on {}", planned.scene.id),
+                            svg_text(draw_pareto_plot(chosen))}};
 }
 
 output::report::MendSection measure_mend_section(const PlannedMend& planned, StopToken stop) {
@@ -132,9 +132,9 @@ output::report::MendSection make_mend_section(const output::repair::RepairSummar
         .changes = {},
         .text = repair_text(result),
         .table = output::report::mend_table(result),
-        .front_chart = {fmt::format("Kept bits on {}", result.request.id()), svg_text(pareto_plot(result))},
+        .front_chart = {fmt::format("Kept bits on {}", result.request.id()), svg_text(draw_pareto_plot(result))},
         .has_times = !result.prices.empty()};
-    for (const output::repair::FormRow& form_row : form_rows(result))
+    for (const output::repair::FormRow& form_row : make_form_rows(result))
         if (form_row.is_proposal()) section.changes.push_back(change_text(result, form_row));
     return section;
 }

@@ -151,9 +151,9 @@ struct NumberAdapter {
     }
     static std::uint64_t unproved_count(const NumberRow& row) { return row.summary->unresolved; }
 
-    static output::table::Table<NumberRow> summary_table() {
+    static output::table::Table<NumberRow> make_summary_table() {
         output::table::Table<NumberRow> table;
-        table.add(output::table::subject_columns(), &NumberRow::tested_form);
+        table.add(output::table::make_subject_columns(), &NumberRow::tested_form);
         table.add({"hits", "pixels with a number: the form hits the primitive that the ray truly hits first",
                    [](const NumberRow& r) { return r.summary->numbers.count(); }});
         for (const auto& [end, q] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}, std::pair{"max", 1.0}})
@@ -162,12 +162,12 @@ struct NumberAdapter {
                  [q](const NumberRow& r) { return output::file::number_or_missing(r.summary->numbers.quantile(q)); }});
         return table;
     }
-    static std::vector<NumberRow> summary_rows(const Study& study, const Summaries& summaries) {
+    static std::vector<NumberRow> make_summary_rows(const Study& study, const Summaries& summaries) {
         std::vector<NumberRow> rows;
         for (std::size_t r = 0; r < summaries.size(); ++r) rows.push_back({&study.tested_forms[r], &summaries[r]});
         return rows;
     }
-    static output::table::Table<output::study::PixelInBand<NumberBand>> pixel_table(const Study&) {
+    static output::table::Table<output::study::PixelInBand<NumberBand>> make_pixel_table(const Study&) {
         using R = output::study::PixelInBand<NumberBand>;
         return output::study::position_columns<NumberBand>().add(
             {name, Quantity::unit, Quantity::meaning,
@@ -180,9 +180,9 @@ struct NumberAdapter {
         layers.add_number(name, [](const NumberBand& band, std::size_t i) { return band.numbers[i]; });
         return layers;
     }
-    static output::image::ExrSpec exr_spec(const Study& study, std::size_t form_index,
-                                           const std::vector<output::image::Channel>& channels,
-                                           const std::string& command) {
+    static output::image::ExrSpec make_exr_spec(const Study& study, std::size_t form_index,
+                                                const std::vector<output::image::Channel>& channels,
+                                                const std::string& command) {
         return {.width = study.scene.width,
                 .height = study.scene.height,
                 .channels = channels,

@@ -103,7 +103,7 @@ StudyNames StudiesByName::allowed_names(const std::string& study) const {
         using Adapter = decltype(adapter);
         StudyNames names;
         for (const StudyOption& option : Adapter::options()) names.options.push_back(option.name);
-        for (const output::file::Column& column : Adapter::Presentation::summary_table().columns())
+        for (const output::file::Column& column : Adapter::Presentation::make_summary_table().columns())
             (column.type == "string" ? names.text_columns : names.number_columns).push_back(column.name);
         return names;
     });
@@ -114,9 +114,9 @@ std::vector<StudyRow> StudiesByName::measure(const std::string& study, const Stu
         using Adapter = decltype(adapter);
         const auto study_to_measure = make_study<Adapter>(question);
         const auto summaries = measure::study::run_study(study_to_measure);
-        const auto table = Adapter::Presentation::summary_table();
+        const auto table = Adapter::Presentation::make_summary_table();
         std::vector<StudyRow> rows;
-        for (const auto& row : Adapter::Presentation::summary_rows(study_to_measure, summaries))
+        for (const auto& row : Adapter::Presentation::make_summary_rows(study_to_measure, summaries))
             rows.push_back(study_row<Adapter>(table, row, question.columns));
         return rows;
     });
@@ -144,9 +144,9 @@ std::optional<StudySection> measure_study_section(const std::string& study, cons
         if (question.tested_forms.empty()) return std::nullopt;
         return measure_section<Adapter>(
             question, Adapter::name, [](StudySection& section, const auto& measured, const auto& summaries) {
-                const auto table = Adapter::Presentation::summary_table();
+                const auto table = Adapter::Presentation::make_summary_table();
                 std::vector<std::vector<output::file::Cell>> cells;
-                for (const auto& row : Adapter::Presentation::summary_rows(measured, summaries)) {
+                for (const auto& row : Adapter::Presentation::make_summary_rows(measured, summaries)) {
                     auto& line = cells.emplace_back();
                     for (const auto& column : table) line.push_back(column.value(row));
                 }
@@ -168,9 +168,9 @@ std::optional<StudySection> measure_offset_section(const scene::file::Scene& sce
             section.purpose.clear();  // the overview says it
             section.source = scene.source;
             section.sentences = output::offset::summary_lines(study, 0, summaries.front());
-            section.table = output::report::offset_table(study, summaries);
-            auto table = OffsetsAdapter::Presentation::summary_table();
-            for (const auto& row : OffsetsAdapter::Presentation::summary_rows(study, summaries))
+            section.table = output::report::make_offset_table(study, summaries);
+            auto table = OffsetsAdapter::Presentation::make_summary_table();
+            for (const auto& row : OffsetsAdapter::Presentation::make_summary_rows(study, summaries))
                 section.wrong_fractions[static_cast<std::size_t>(row.side)].push_back(
                     table.find("bad_fraction")->value(row).number());
         });

@@ -33,7 +33,7 @@ enum class Shown { always, for_meshes, in_claims };
 
 /// Columns of every summary, whatever is measured. An answer at NaN is counted neither as a false hit nor as a false
 /// miss, although its ray truly hits or misses.
-Columns outcome_columns() {
+Columns make_outcome_columns() {
     Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return to_double(s.rays); }}};
     const auto add_count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
         columns.push_back({.name = std::string(answer::outcome_names[static_cast<std::size_t>(o)]),
@@ -231,7 +231,7 @@ std::string column_name(const Metric& metric, const metric::Statistic& statistic
 }
 
 Columns summary_columns(const std::vector<const Metric*>& metrics) {
-    Columns columns = outcome_columns();
+    Columns columns = make_outcome_columns();
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (metrics[m]->depends_on_forms) add_culprit(*metrics[m], m, columns);
         else if (!metrics[m]->categories.empty()) add_categories(*metrics[m], m, columns);
@@ -241,7 +241,7 @@ Columns summary_columns(const std::vector<const Metric*>& metrics) {
     return columns;
 }
 
-Columns worst_columns(const std::vector<Shape>& shapes) {
+Columns make_worst_columns(const std::vector<Shape>& shapes) {
     using W = WorstRay;
     Columns columns{
         {"worst_x", Kind::count, "pixel", "column of the largest |ulp_error|, the first if several are equal",

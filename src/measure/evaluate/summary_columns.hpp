@@ -30,7 +30,7 @@ std::vector<SummaryColumn> summary_columns(const std::vector<const metric::Metri
 
 /// The worst ray by |ulp_error|, with all numbers for evaluating it again. `shapes` are those of the primitives, each
 /// once: they name the columns of the worst ray's primitive.
-std::vector<SummaryColumn> worst_columns(const std::vector<Shape>& shapes);
+std::vector<SummaryColumn> make_worst_columns(const std::vector<Shape>& shapes);
 
 /// The first ray of the most frequent wrong decision: the form's answer and the truth.
 std::vector<SummaryColumn> wrong_decision_columns();

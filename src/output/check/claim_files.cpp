@@ -25,7 +25,7 @@ struct ClaimRow {
     measure::metric::Spread spread;
 };
 
-table::Table<ClaimRow> claim_table() {
+table::Table<ClaimRow> make_claim_table() {
     using R = ClaimRow;
     using table::when;
     const auto claim_value = [](const auto& value) {
@@ -102,7 +102,7 @@ table::Table<ClaimRow> claim_table() {
 
 void write_claims_csv(const std::filesystem::path& path, const std::vector<Claim>& claims,
                       const std::vector<ClaimResult>& results) {
-    const auto table = claim_table();
+    const auto table = make_claim_table();
     file::CsvWriter csv(path, table.columns());
     for (std::size_t i = 0; i < claims.size(); ++i) table.add_row(csv, {claims[i], results[i], results[i].spread()});
     csv.close();

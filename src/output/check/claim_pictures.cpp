@@ -150,7 +150,7 @@ std::string draw_cases(const scene::sweep::CaseFile& file, const ShownSubject& s
             continue;
         const std::string picture =
             touching ? fmt::format("{}.{}.png", file.id, intersect::convention_name(touching)) : file.id + ".png";
-        image::save_figure(picture_path(shown, picture), sweep::case_matrix(request, cases, touching));
+        image::save_figure(picture_path(shown, picture), sweep::draw_case_matrix(request, cases, touching));
         text += picture_link(shown, file.title, picture);
     }
     return text;
@@ -164,7 +164,7 @@ std::string draw_planes(const measure::sweep::SweepRequest& request,
         const std::string_view form = request.tested_forms[r].form->info->name;
         const std::string& format = request.tested_forms[r].format.name;
         const std::string file = fmt::format("{}.{}.{}.png", request.sweep.id, form, format);
-        image::save_figure(picture_path(shown, file), sweep::plane_picture(request, steps, r));
+        image::save_figure(picture_path(shown, file), sweep::draw_plane_picture(request, steps, r));
         text += picture_link(shown, fmt::format("{} in {}", form, format), file);
     }
     return text;
@@ -182,12 +182,12 @@ std::string draw_plots(const sweep::MeasuredSweep& measured, const ShownSubject&
             image::save_figure(picture_path(shown, file), plot);
         };
 
-        if (plots.has_median) add_plot("lost_bits_p50", sweep::lost_bits_plot(measured, format, 0.5));
-        if (plots.has_tail) add_plot("lost_bits_p99", sweep::lost_bits_plot(measured, format, 0.99));
+        if (plots.has_median) add_plot("lost_bits_p50", sweep::draw_lost_bits_plot(measured, format, 0.5));
+        if (plots.has_tail) add_plot("lost_bits_p99", sweep::draw_lost_bits_plot(measured, format, 0.99));
         if (!plots.has_wrong_decisions) continue;
         for (const measure::answer::Outcome outcome : sweep::wrong_outcomes(measured, format))
             add_plot(measure::answer::outcome_names[static_cast<std::size_t>(outcome)],
-                     sweep::outcome_plot(measured, format, outcome));
+                     sweep::draw_outcome_plot(measured, format, outcome));
     }
     return text;
 }

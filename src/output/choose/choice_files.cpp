@@ -29,7 +29,7 @@ ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const s
     return result;
 }
 
-Table<FormQuality> quality_columns() {
+Table<FormQuality> make_quality_columns() {
     return {{"rays", "rays whose truth is known", &FormQuality::rays},
             {"true_hits", "rays that truly hit", &FormQuality::hits},
             {"wrong", "false hits, false misses, NaNs and hits of another primitive", &FormQuality::wrong},
@@ -38,14 +38,14 @@ Table<FormQuality> quality_columns() {
              or_missing(&FormQuality::kept_bits)}};
 }
 
-Table<CandidateRow> candidate_table() {
+Table<CandidateRow> make_candidate_table() {
     using R = CandidateRow;
     Table<R> table;
     table.add(trade::kernel_columns("form under test; file.NAME: the answers in the files of rays"), &R::kernel);
     table.add(trade::time_columns("per ray and primitive; median of the repetitions; missing: not known",
                                   "per ray and primitive; "),
               &R::time);
-    table.add(quality_columns(), &R::quality);
+    table.add(make_quality_columns(), &R::quality);
     table.add({{"distance_error", "length",
                 "distance of the hit point from the true one along the ray, at the same share; missing: the "
                 "requirement has no tolerance",
@@ -57,7 +57,7 @@ Table<CandidateRow> candidate_table() {
     return table;
 }
 
-Table<GrowthMargin> margin_table() {
+Table<GrowthMargin> make_margin_table() {
     using measure::choose::MarginEnd;
     Table<GrowthMargin> table{
         {"way", "the quantity that grows: distance, radius, offset or view",
@@ -85,7 +85,7 @@ namespace {
 
 constexpr int chosen_marker = 3;  ///< marker of the chosen candidate in the plot, see `plot::draw_marker`
 
-Table<SafeOffsetRow> offset_table() {
+Table<SafeOffsetRow> make_offset_table() {
     using R = SafeOffsetRow;
     return {
         {"side", "outside: right for every ray away from the primitive; both: also for rays into it", &R::side},
@@ -105,7 +105,7 @@ std::vector<SafeOffsetRow> offset_rows(const measure::choose::SafeOffsets& offse
     return rows;
 }
 
-Table<InputRow> input_table() {
+Table<InputRow> make_input_table() {
     using R = InputRow;
     Table<R> table;
 
@@ -162,7 +162,7 @@ std::vector<trade::KernelPoint> candidate_points(const ChoiceResult& result) {
 
 }  // namespace
 
-image::Canvas pareto_plot(const ChoiceResult& result) {
+image::Canvas draw_pareto_plot(const ChoiceResult& result) {
     const auto& requirement = result.request.requirement;
     plot::ScatterPlotSpec spec;
     spec.title = fmt::format("Time against kept bits on {}", result.request.id());
@@ -199,18 +199,19 @@ image::Canvas pareto_plot(const ChoiceResult& result) {
 ChoiceWriter::ChoiceWriter(const std::filesystem::path& folder)
     : folder_(folder),
       candidates_(folder, "choose.csv", "One row per form and format, cheapest first; times vary from run to run",
-                  candidate_table()),
-      margins_(folder, "room.csv", "One row per way of stretching the scene, for the chosen form", margin_table()),
+                  make_candidate_table()),
+      margins_(folder, "room.csv", "One row per way of stretching the scene, for the chosen form", make_margin_table()),
       offsets_(folder, "offset.csv", "One row per offset strategy that is safe for the chosen form, cheapest first",
-               offset_table()),
+               make_offset_table()),
       inputs_(folder, "inputs.csv",
-              "If nothing meets the requirement: one row per selection of inputs in a wider format", input_table()),
+              "If nothing meets the requirement: one row per selection of inputs in a wider format",
+              make_input_table()),
       requirement_(folder, "requirement.csv",
                    "Number of pixels on which each form and format meets the requirement, and on which it is the "
                    "cheapest; then the same for formats under any form, and for none",
-                   requirement_table()) {}
+                   make_requirement_table()) {}
 
-std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
+std::vector<CandidateRow> make_candidate_rows(const ChoiceResult& result) {
     const auto& requirement = result.request.requirement;
     std::vector<CandidateRow> rows;
     for (const std::size_t k : order_by_price(result.candidates)) {
@@ -237,17 +238,17 @@ std::vector<CandidateRow> candidate_rows(const ChoiceResult& result) {
 }
 
 void ChoiceWriter::finish(const ChoiceResult& result) {
-    candidates_.add_all(candidate_rows(result));
+    candidates_.add_all(make_candidate_rows(result));
     margins_.add_all(result.margins);
     if (result.requirement_map) {
-        requirement_.add_all(requirement_rows(result, *result.requirement_map));
+        requirement_.add_all(make_requirement_rows(result, *result.requirement_map));
         draw_requirement_map(folder_ / "requirement.png", result, *result.requirement_map);
     }
     if (result.offsets) offsets_.add_all(offset_rows(*result.offsets));
     if (result.obstacle)
         for (const auto& trial : result.obstacle->trials) inputs_.add({&*result.obstacle, &trial});
 
-    image::save_figure(folder_ / "front.png", pareto_plot(result));
+    image::save_figure(folder_ / "front.png", draw_pareto_plot(result));
     file::write_file(folder_ / "choose.txt", choice_text(result));
     table::close_tables(folder_,
                         fmt::format("What meets a requirement on {}: {}", result.request.id(),

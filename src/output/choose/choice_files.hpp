@@ -88,7 +88,7 @@ std::string margin_end_text(const GrowthMargin& margin, const measure::choose::F
 std::string input_format_name(const FloatFormat& format);
 
 /// Plots every form and format by time and bits kept, with the Pareto front and the chosen one.
-image::Canvas pareto_plot(const ChoiceResult& result);
+image::Canvas draw_pareto_plot(const ChoiceResult& result);
 
 /// A row of choose.csv: a candidate, or the answers of the files.
 struct CandidateRow {
@@ -98,15 +98,15 @@ struct CandidateRow {
     bool meets_requirement, is_chosen;
     const RepairedCandidate* repair;  ///< null: the form was not repaired
 };
-table::Table<CandidateRow> candidate_table();
+table::Table<CandidateRow> make_candidate_table();
 /// The rows of choose.csv, cheapest first.
-std::vector<CandidateRow> candidate_rows(const ChoiceResult& result);
+std::vector<CandidateRow> make_candidate_rows(const ChoiceResult& result);
 
 /// The columns rays, true_hits, wrong, wrong_fraction and kept_bits.
-table::Table<FormQuality> quality_columns();
+table::Table<FormQuality> make_quality_columns();
 
 /// The columns of room.csv.
-table::Table<GrowthMargin> margin_table();
+table::Table<GrowthMargin> make_margin_table();
 
 /// A row of offset.csv: a strategy that is safe for one side or for both.
 struct SafeOffsetRow {
@@ -120,16 +120,16 @@ struct InputRow {
     const measure::choose::InputTrial* trial;
 };
 
-/// A row of requirement.csv. `met` and `required` count pixels; see `requirement_table` for their meanings.
+/// A row of requirement.csv. `met` and `required` count pixels; see `make_requirement_table` for their meanings.
 struct RequirementRow {
     std::string_view form, format;
     std::optional<double> time_ns;
     std::uint64_t met, required, pixels;
 };
-table::Table<RequirementRow> requirement_table();
+table::Table<RequirementRow> make_requirement_table();
 /// A row for each form and format that a pixel requires or that has a time, cheapest first; then one per format under
 /// `any`, and one for the pixels on which nothing meets the requirement.
-std::vector<RequirementRow> requirement_rows(const ChoiceResult& result, const RequirementMap& requirement_map);
+std::vector<RequirementRow> make_requirement_rows(const ChoiceResult& result, const RequirementMap& requirement_map);
 /// Draws the scene twice, pixel by pixel: on the left the cheapest candidate that meets the requirement there, on the
 /// right the narrowest format in which any form does.
 void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult& result,

@@ -15,7 +15,7 @@ using image::LegendEntry;
 using image::Rgb8;
 using measure::answer::Outcome;
 
-table::Table<RequirementRow> requirement_table() {
+table::Table<RequirementRow> make_requirement_table() {
     using R = RequirementRow;
     const auto pixel_fraction = [](std::uint64_t R::*count) {
         return [count](const R& r) { return static_cast<double>(r.*count) / static_cast<double>(r.pixels); };
@@ -112,7 +112,7 @@ std::string percent(std::uint64_t count, const RequirementMap& requirement_map) 
 
 }  // namespace
 
-std::vector<RequirementRow> requirement_rows(const ChoiceResult& result, const RequirementMap& requirement_map) {
+std::vector<RequirementRow> make_requirement_rows(const ChoiceResult& result, const RequirementMap& requirement_map) {
     std::vector<RequirementRow> rows;
     for (const std::size_t c : measure::choose::order_by_price(result.candidates)) {
         const Candidate& candidate = result.candidates[c];

@@ -144,7 +144,7 @@ std::vector<study::Note> ConsistencyPresentation::notes(const ConsistencyStudy& 
     return notes;
 }
 
-Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::pixel_table(const ConsistencyStudy& study) {
+Table<study::PixelInBand<ConsistencyBand>> ConsistencyPresentation::make_pixel_table(const ConsistencyStudy& study) {
     using R = study::PixelInBand<ConsistencyBand>;
     std::string result_names;
     for (const std::string_view name : check_result_names)
@@ -219,10 +219,10 @@ Table<CheckSummary> number_columns() {
 
 }  // namespace
 
-Table<CheckRow> ConsistencyPresentation::summary_table() {
+Table<CheckRow> ConsistencyPresentation::make_summary_table() {
     using R = CheckRow;
     Table<R> table{{"check", "the check: which two questions are compared", [](const R& r) { return r.check->name; }}};
-    table.add(table::subject_columns("form that is asked", "format that everything is computed in"), &R::row);
+    table.add(table::make_subject_columns("form that is asked", "format that everything is computed in"), &R::row);
     table.add(number_columns(), &R::summary);
 
     // The first pixel where the form contradicts itself, and the commands that explain its two rays.
@@ -249,8 +249,8 @@ Table<CheckRow> ConsistencyPresentation::summary_table() {
          {"second_explain", "command that explains the ray of the second", explain(&Rays::second)}});
 }
 
-std::vector<CheckRow> ConsistencyPresentation::summary_rows(const ConsistencyStudy& study,
-                                                            const std::vector<FormChecks>& rows) {
+std::vector<CheckRow> ConsistencyPresentation::make_summary_rows(const ConsistencyStudy& study,
+                                                                 const std::vector<FormChecks>& rows) {
     std::vector<CheckRow> check_rows;
     for (std::size_t r = 0; r < rows.size(); ++r)
         for (std::size_t c = 0; c < rows[r].size(); ++c)

@@ -27,14 +27,14 @@ struct ConsistencyPresentation {
     static constexpr const char* summary_title = "One row per check, form and format";
     static constexpr const char* pixel_title = "One row per pixel";
 
-    static table::Table<CheckRow> summary_table();
-    static std::vector<CheckRow> summary_rows(const Study& study, const std::vector<FormChecks>& rows);
+    static table::Table<CheckRow> make_summary_table();
+    static std::vector<CheckRow> make_summary_rows(const Study& study, const std::vector<FormChecks>& rows);
     static std::string file_stem(const Study& study, std::size_t form_index);
     static std::size_t pixels(const Band& band) { return band.checks.front().results.size(); }
     static std::vector<pixel::DrawnColumn<Band>> columns(const Study& study);
     static pixel::SheetFile sheet(const Study& study, const std::filesystem::path& file);
     static std::vector<study::Note> notes(const Study& study, const std::vector<FormChecks>& rows);
-    static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
+    static table::Table<study::PixelInBand<Band>> make_pixel_table(const Study& study);
 };
 
 }  // namespace lostbits::output::consistency

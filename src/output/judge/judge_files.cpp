@@ -61,7 +61,7 @@ struct JudgedRay {
 bool has_file_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.band_ray.i] != 0; }
 
 /// Columns with the numbers that the file has for a ray and its primitive.
-Table<JudgedRay> file_columns(const RayFile& ray_file) {
+Table<JudgedRay> make_file_columns(const RayFile& ray_file) {
     using R = JudgedRay;
     const scene::ray_file::Layout& layout = ray_file.layout();
     Table<R> table{
@@ -108,16 +108,16 @@ Table<JudgedRay> file_columns(const RayFile& ray_file) {
 }
 
 /// Columns of the table of one tested form (a form in a format). If `has_no_t`, its answers are only hit or miss.
-Table<JudgedRay> ray_table(const RayFile& ray_file, const std::vector<const measure::metric::Metric*>& metrics,
-                           bool has_no_t = false) {
+Table<JudgedRay> make_ray_table(const RayFile& ray_file, const std::vector<const measure::metric::Metric*>& metrics,
+                                bool has_no_t = false) {
     using AnswerRay = map::BandRay;
     Table<AnswerRay> answer_columns{map::outcome_column()};
     answer_columns.add_exact({"answer", "t", "the answer that was judged, in its own unit",
                               [has_no_t](const AnswerRay& r) { return table::when(r.has_hit() && !has_no_t, r.t()); }});
-    answer_columns.add(map::truth_and_metric_columns(metrics));
+    answer_columns.add(map::make_truth_and_metric_columns(metrics));
 
     // Columns that the file holds beside rays and answers get names that no other column has.
-    Table<JudgedRay> table = file_columns(ray_file);
+    Table<JudgedRay> table = make_file_columns(ray_file);
     const std::size_t kept_count = ray_file.layout().kept_columns().size();
     for (std::size_t k = 0; k < kept_count; ++k) {
         std::string name =
@@ -138,8 +138,8 @@ public:
         table_.emplace(
             folder, map::tested_form_name(tested_form_) + ".csv",
             fmt::format("One row per ray: {} in {}", tested_form_.form->info->name, tested_form_.format.name),
-            ray_table(ray_file, request.metrics,
-                      request.is_file_form(tested_form_) && ray_file.layout().has_only_decisions()));
+            make_ray_table(ray_file, request.metrics,
+                           request.is_file_form(tested_form_) && ray_file.layout().has_only_decisions()));
     }
     /// Sets the function that receives each result for the map.
     void connect_map(measure::evaluate::Show show_on_map) { show_on_map_ = std::move(show_on_map); }

@@ -19,14 +19,15 @@ constexpr const char *summary_file = "summary.csv", *faults_file = "faults.csv";
 
 const char* record_noun(AnswerKind kind) { return kind == AnswerKind::inside ? "point" : "ray"; }
 
-Table<MeshFaultRow> fault_table(AnswerKind kind) {
+Table<MeshFaultRow> make_fault_table(AnswerKind kind) {
     Table<MeshFaultRow> table{
         {"outcome", "fault", [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
         {"count", std::string("number of ") + record_noun(kind) + "s with it", &MeshFaultRow::count},
         {"first_record", "index of the first record of the first of them in the file, from 0",
          [](const MeshFaultRow& r) { return r.first->record; }}};
     if (kind != AnswerKind::inside)
-        return table.add(table::ray_columns("the first of them"), [](const MeshFaultRow& r) { return &r.first->ray; });
+        return table.add(table::make_ray_columns("the first of them"),
+                         [](const MeshFaultRow& r) { return &r.first->ray; });
     for (int k = 0; k < 3; ++k)
         table.add({std::string{'p', "xyz"[k]} + "_hex", "the first of them",
                    [k](const MeshFaultRow& r) { return file::hex(r.first->ray.origin[k]); }});
@@ -60,7 +61,7 @@ void add_list_columns(Table<MeshSummaryRow>& table) {
 
 }  // namespace
 
-Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind) {
+Table<MeshSummaryRow> make_mesh_summary_table(AnswerKind kind) {
     const std::string records = std::string(record_noun(kind)) + "s";
     Table<MeshSummaryRow> table{
         {"form", "the answers of the file", &MeshSummaryRow::name},
@@ -104,7 +105,7 @@ std::string answer_arguments(const JudgedAnswer& answer, bool is_point) {
     return attribution::explain_ray_arguments(&group);
 }
 
-Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
+Table<JudgedAnswer> make_mesh_answer_table(AnswerKind kind) {
     const bool is_point = kind == AnswerKind::inside;
     using R = JudgedAnswer;
     Table<R> table{{"record", "index of its first record in the file, from 0", &R::record}};
@@ -146,13 +147,13 @@ Table<JudgedAnswer> mesh_answer_table(AnswerKind kind) {
 
 MeshAnswerWriter::MeshAnswerWriter(MeshAnswerWriterOptions options)
     : options_(std::move(options)),
-      summary_(options_.folder, summary_file, "The answers of the file", mesh_summary_table(options_.kind)),
+      summary_(options_.folder, summary_file, "The answers of the file", make_mesh_summary_table(options_.kind)),
       faults_(options_.folder, faults_file,
               std::string("One row per fault, with the first ") + record_noun(options_.kind),
-              fault_table(options_.kind)) {
+              make_fault_table(options_.kind)) {
     if (options_.writes_rows)
         rows_.emplace(options_.folder, options_.name + "." + options_.format + ".csv",
-                      std::string("One row per ") + record_noun(options_.kind), mesh_answer_table(options_.kind));
+                      std::string("One row per ") + record_noun(options_.kind), make_mesh_answer_table(options_.kind));
 }
 
 void MeshAnswerWriter::add(std::span<const JudgedAnswer> answers) {

@@ -31,7 +31,7 @@ struct MeshSummaryRow {
     const MeshAnswersResult* result;
 };
 /// Columns of summary.csv for answers of this kind. The C and Python interfaces return the same columns.
-table::Table<MeshSummaryRow> mesh_summary_table(AnswerKind kind);
+table::Table<MeshSummaryRow> make_mesh_summary_table(AnswerKind kind);
 
 /// A fault and the first ray or point that has it.
 struct MeshFaultRow {
@@ -45,7 +45,7 @@ std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result);
 std::string answer_arguments(const JudgedAnswer& answer, bool is_point);
 
 /// Columns of the table with one row per ray or point.
-table::Table<JudgedAnswer> mesh_answer_table(AnswerKind kind);
+table::Table<JudgedAnswer> make_mesh_answer_table(AnswerKind kind);
 
 /// Opens every file before any work, and gives all files their final names in `finish`.
 class MeshAnswerWriter {

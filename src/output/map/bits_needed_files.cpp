@@ -80,7 +80,7 @@ struct BitsNeededRow {
     PrecisionCounts widths;
 };
 
-Table<BitsNeededRow> bits_needed_table() {
+Table<BitsNeededRow> make_bits_needed_table() {
     using R = BitsNeededRow;
     Table<R> table{{"form", "form under test", &R::form},
                    {"bits_asked", "bits",
@@ -120,7 +120,7 @@ struct BitsNeededPixel {
     measure::truth::Truth truth;
 };
 
-Table<BitsNeededPixel> bits_needed_pixel_table(int bits) {
+Table<BitsNeededPixel> make_bits_needed_pixel_table(int bits) {
     using R = BitsNeededPixel;
     return {{"x", "pixel", "column, from the left",
              [](const R& r) { return r.i % static_cast<std::size_t>(r.band->width); }},
@@ -157,7 +157,7 @@ struct BitsNeededWriter::Parts {
             pixels = std::make_unique<table::TableFile<BitsNeededPixel>>(
                 options.keep_piece ? "" : options.folder, file_stem(form) + ".csv",
                 fmt::format("One row per pixel: bits needed by {}", form.name),
-                bits_needed_pixel_table(study.correct_bits));
+                make_bits_needed_pixel_table(study.correct_bits));
 
         // The functions that turn a band into rows of the table and of the EXR.
         BitsNeededFormWriter::Functions functions{
@@ -185,7 +185,7 @@ BitsNeededWriter::BitsNeededWriter(const BitsNeededStudy& study, const BitsNeede
         parts_->table.emplace(
             options.folder, "needed.csv",
             fmt::format("One row per form: significand bits needed for {} correct bits", study.correct_bits),
-            bits_needed_table());
+            make_bits_needed_table());
     for (std::size_t form = 0; form < study.tested_forms.size(); ++form) parts_->add_form(form);
 }
 

@@ -71,7 +71,7 @@ Rgb8 pixel_colour(const ColourScale& scale, Outcome outcome, double value) {
     return std::isnan(value) ? image::outcome_colours[0] : scale.colour_of_value(std::fabs(value));
 }
 
-std::vector<LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total) {
+std::vector<LegendEntry> make_outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total) {
     std::vector<LegendEntry> entries;
     for (std::size_t o = 1; o < counts.size(); ++o) {
         if (counts[o] == 0) continue;

@@ -64,7 +64,7 @@ std::string outcome_in_words(Outcome o);
 
 /// Legend of the outcomes other than `agree_hit`, with the count of each and its fraction of `total`. Outcomes with a
 /// count of 0 are left out.
-std::vector<image::LegendEntry> outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total);
+std::vector<image::LegendEntry> make_outcome_legend(std::span<const std::uint64_t> counts, std::uint64_t total);
 
 /// Paints one metric of one format: the colour of each pixel, the legend, and the texts of a picture.
 class MetricPaint {
@@ -114,8 +114,9 @@ private:
     [[nodiscard]] bool is_distance() const {
         return metric_->domain == measure::metric::MetricDomain::pairs && look_.scale;
     }
-    [[nodiscard]] std::vector<image::LegendEntry> culprit_legend(const pixel::CategoryCounts& category_counts) const;
-    [[nodiscard]] std::vector<image::LegendEntry> widest_culprit_legend(std::uint64_t pixels) const;
+    [[nodiscard]] std::vector<image::LegendEntry> make_culprit_legend(
+        const pixel::CategoryCounts& category_counts) const;
+    [[nodiscard]] std::vector<image::LegendEntry> make_widest_culprit_legend(std::uint64_t pixels) const;
 
     /// Short summaries: of culprits, of categories, of numbers that not only hits have, and of errors of hits.
     [[nodiscard]] std::string culprit_summary(const std::vector<std::uint64_t>& counts) const;

@@ -37,8 +37,8 @@ struct MapWriter::Parts {
     std::optional<table::TableFile<Culprit>> culprits = {};
 
     [[nodiscard]] table::Table<SummaryRow> summary_columns() const {
-        auto table =
-            summary_table(study.metrics, study.scene->shapes(), study.scene->mesh != nullptr, options.group_column);
+        auto table = make_summary_table(study.metrics, study.scene->shapes(), study.scene->mesh != nullptr,
+                                        options.group_column);
         if (!options.is_list) return table;
         for (auto& column : table)
             if (column.about.unit == "pixel") column.about.unit = "";
@@ -54,7 +54,7 @@ struct MapWriter::Parts {
             pixels = std::make_unique<table::TableFile<BandRay>>(
                 options.keep_piece ? "" : options.folder, tested_form_name(tested_form) + ".csv",
                 fmt::format("One row per pixel: {} in {}", tested_form.form->info->name, tested_form.format.name),
-                pixel_table(study.metrics));
+                make_pixel_table(study.metrics));
 
         // The functions that turn a band into rows of the table and of the EXR.
         MapFormWriter::Functions functions{
@@ -95,7 +95,7 @@ MapWriter::MapWriter(const MapStudy& study, const MapFilesOptions& options)
             p.summary_columns());
     if (has_tables && asks_for_culprits(study.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
-                           culprit_table());
+                           make_culprit_table());
 
     p.pictures.emplace(study, p.options);
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r) p.add_row(r);
@@ -118,7 +118,7 @@ void MapWriter::finish(const std::vector<FormSummary>& summaries, const measure:
                    : attribution::explain_pixel_arguments(p.options.scene_arguments, static_cast<int>(ray.x), ray.y);
     };
     for (std::size_t r = 0; r < summaries.size(); ++r) {
-        p.summary->add_all(summary_rows(r, p.study.tested_forms[r], summaries[r], groups, ray_arguments));
+        p.summary->add_all(make_summary_rows(r, p.study.tested_forms[r], summaries[r], groups, ray_arguments));
         if (p.culprits) p.culprits->add_all(find_culprits(p.study.metrics, p.study.tested_forms[r], summaries[r]));
     }
 

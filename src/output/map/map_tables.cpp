@@ -53,8 +53,8 @@ std::string worst_ray_command(const SummaryRow& r, const measure::evaluate::Wors
 
 }  // namespace
 
-Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
-                                bool has_meshes, std::string group_column) {
+Table<SummaryRow> make_summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
+                                     bool has_meshes, std::string group_column) {
     using R = SummaryRow;
     std::vector<SummaryColumn> ray_columns = measure::evaluate::summary_columns(metrics);
     std::erase_if(ray_columns, [has_meshes](const SummaryColumn& c) {
@@ -63,9 +63,9 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
 
     // The row, the numbers of its rays, and the worst ray and the first wrong decision with their commands.
     Table<R> table;
-    table.add(table::subject_columns(), &R::tested_form);
+    table.add(table::make_subject_columns(), &R::tested_form);
     add_columns(table, ray_columns);
-    add_columns(table, measure::evaluate::worst_columns(shapes));
+    add_columns(table, measure::evaluate::make_worst_columns(shapes));
     table.add({"worst_explain", "the command that explains the worst ray and prints these numbers again",
                [](const R& r) { return worst_ray_command(r, &r.summary->worst); }});
     add_columns(table, measure::evaluate::wrong_decision_columns());
@@ -80,8 +80,8 @@ Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const
         .add(std::move(table));
 }
 
-std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& tested_form, const FormSummary& summary,
-                                     const measure::evaluate::Groups& groups, const RayArguments& ray_arguments) {
+std::vector<SummaryRow> make_summary_rows(std::size_t r, const TestedForm& tested_form, const FormSummary& summary,
+                                          const measure::evaluate::Groups& groups, const RayArguments& ray_arguments) {
     std::vector<SummaryRow> rows{{tested_form, &summary, ray_arguments}};
     for (const measure::evaluate::Group& group : groups.all())
         rows.push_back(
@@ -98,10 +98,10 @@ std::vector<std::size_t> culprits_by_count(const std::vector<std::uint64_t>& cou
     return order;
 }
 
-table::Table<Culprit> culprit_table() {
+table::Table<Culprit> make_culprit_table() {
     using R = Culprit;
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::tested_form);
+    table.add(table::make_subject_columns(), &R::tested_form);
     table.add(
         {{"operation",
           "expression of the operation; one axis stands for all three, and one iteration of a loop for all",
@@ -132,7 +132,7 @@ table::TableColumn<BandRay> outcome_column() {
             }};
 }
 
-Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metrics) {
+Table<BandRay> make_truth_and_metric_columns(const std::vector<const Metric*>& metrics) {
     Table<BandRay> table;
     table.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit",
                      [](const BandRay& r) -> std::optional<double> {
@@ -155,7 +155,7 @@ Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metric
     return table;
 }
 
-Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
+Table<BandRay> make_pixel_table(const std::vector<const Metric*>& metrics) {
     using R = BandRay;
     Table<R> table{{"x", "pixel", "column, from the left",
                     [](const R& r) { return r.i % static_cast<std::size_t>(r.result->width); }},
@@ -173,7 +173,7 @@ Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics) {
                     }}};
     table.add_exact(
         {"t", "t", "the form's answer, in its own unit", [](const R& r) { return when(r.has_hit(), r.t()); }});
-    return table.add(truth_and_metric_columns(metrics));
+    return table.add(make_truth_and_metric_columns(metrics));
 }
 
 }  // namespace lostbits::output::map

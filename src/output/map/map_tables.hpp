@@ -28,15 +28,15 @@ struct SummaryRow {
     std::optional<std::string> group = {};  ///< missing: all rays
 };
 
-/// Columns of summary.csv: those of `measure::evaluate::summary_columns`, `worst_columns` and `wrong_decision_columns`.
-/// The last two groups end with the command that explains the ray. A cell without a sample is empty. If `has_meshes`,
-/// the rays are aimed at meshes and have the outcomes of meshes too. `group_column` is the column whose values group
-/// the rays; it stands first. If it is empty, there are no groups.
-table::Table<SummaryRow> summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
-                                       bool has_meshes = false, std::string group_column = {});
+/// Columns of summary.csv: those of `measure::evaluate::summary_columns`, `make_worst_columns` and
+/// `wrong_decision_columns`. The last two groups end with the command that explains the ray. A cell without a sample is
+/// empty. If `has_meshes`, the rays are aimed at meshes and have the outcomes of meshes too. `group_column` is the
+/// column whose values group the rays; it stands first. If it is empty, there are no groups.
+table::Table<SummaryRow> make_summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
+                                            bool has_meshes = false, std::string group_column = {});
 /// A row for all rays, then one for each group. `tested_form` is row `r` of the run.
-std::vector<SummaryRow> summary_rows(std::size_t r, const TestedForm& tested_form, const FormSummary& summary,
-                                     const measure::evaluate::Groups& groups, const RayArguments& ray_arguments);
+std::vector<SummaryRow> make_summary_rows(std::size_t r, const TestedForm& tested_form, const FormSummary& summary,
+                                          const measure::evaluate::Groups& groups, const RayArguments& ray_arguments);
 
 /// An operation that is the culprit of some rays. Operations are rows and not columns, because columns would differ
 /// from run to run.
@@ -46,7 +46,7 @@ struct Culprit {
     std::uint64_t rays;
     double fraction;
 };
-table::Table<Culprit> culprit_table();
+table::Table<Culprit> make_culprit_table();
 
 /// True if the metric `culprit` is among the metrics.
 [[nodiscard]] bool asks_for_culprits(const std::vector<const Metric*>& metrics);
@@ -71,8 +71,8 @@ struct BandRay {
 /// The column `outcome`.
 table::TableColumn<BandRay> outcome_column();
 /// The columns truth and truth_hex (the true t), and one for each metric.
-table::Table<BandRay> truth_and_metric_columns(const std::vector<const Metric*>& metrics);
+table::Table<BandRay> make_truth_and_metric_columns(const std::vector<const Metric*>& metrics);
 /// One row per pixel.
-table::Table<BandRay> pixel_table(const std::vector<const Metric*>& metrics);
+table::Table<BandRay> make_pixel_table(const std::vector<const Metric*>& metrics);
 
 }  // namespace lostbits::output::map

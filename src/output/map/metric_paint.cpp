@@ -150,14 +150,14 @@ pixel::Look MetricPaint::look(bool has_mesh) const {
     pixel::Look look = look_;
     if (metric_->depends_on_forms)
         look.make_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
-            return counts ? culprit_legend(*counts) : widest_culprit_legend(pixels);
+            return counts ? make_culprit_legend(*counts) : make_widest_culprit_legend(pixels);
         };
     for (std::size_t o = measure::answer::outcomes_without_mesh; !has_mesh && o < image::outcome_colours.size(); ++o)
         look.categories[index_of(static_cast<Outcome>(o))].name.clear();
     return look;
 }
 
-std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels) const {
+std::vector<LegendEntry> MetricPaint::make_widest_culprit_legend(std::uint64_t pixels) const {
     const std::string count = pixel::widest_count(pixels);
     std::vector<LegendEntry> entries(max_culprits + 2,
                                      {std::string(max_culprit_letters, '+'), no_culprit_colour, count});
@@ -166,7 +166,7 @@ std::vector<LegendEntry> MetricPaint::widest_culprit_legend(std::uint64_t pixels
     return entries;
 }
 
-std::vector<LegendEntry> MetricPaint::culprit_legend(const pixel::CategoryCounts& category_counts) const {
+std::vector<LegendEntry> MetricPaint::make_culprit_legend(const pixel::CategoryCounts& category_counts) const {
     const pixel::CategoryCounts counts(category_counts.begin(),
                                        category_counts.begin() + static_cast<std::ptrdiff_t>(value_category_count_));
     const std::uint64_t blamed_ray_count = measure::attribution::rays_with_culprit(counts);

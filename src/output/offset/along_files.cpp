@@ -34,10 +34,11 @@ OffsetsAlongAxisWriter::OffsetsAlongAxisWriter(const std::filesystem::path& fold
              "One row per value on the axis, strategy, side, kind of point, form and format",
              table::Table<AlongRow>{
                  {std::string(name_of(axis)), std::string(measure::offset::meaning_of(axis)), &AlongRow::axis_value}}
-                 .add(OffsetPresentation::summary_table(), &AlongRow::strategy_row)) {}
+                 .add(OffsetPresentation::make_summary_table(), &AlongRow::strategy_row)) {}
 
 void OffsetsAlongAxisWriter::add(double axis_value, std::vector<OffsetSummary> summaries) {
-    for (const StrategyRow& row : OffsetPresentation::summary_rows(study_, summaries)) table_.add({axis_value, row});
+    for (const StrategyRow& row : OffsetPresentation::make_summary_rows(study_, summaries))
+        table_.add({axis_value, row});
     axis_values_.push_back(axis_value);
     summaries_.push_back(std::move(summaries));
 }
@@ -77,7 +78,7 @@ void OffsetsAlongAxisWriter::plot_wrong(std::size_t form_index, Side side) const
     spec.notes = {
         "wrong: a self-hit (by truth or by the form's arithmetic), a lost occluder, or a lost exit",
         "shares are of the points that the form finds; it finds no point if it misses or names another primitive"};
-    image::save_figure(picture_path(form_index, side, "wrong"), plot::line_plot(spec));
+    image::save_figure(picture_path(form_index, side, "wrong"), plot::draw_line_plot(spec));
 }
 
 void OffsetsAlongAxisWriter::plot_size(std::size_t form_index, Side side) const {
@@ -94,7 +95,7 @@ void OffsetsAlongAxisWriter::plot_size(std::size_t form_index, Side side) const 
     spec.notes = {
         "dashed: the largest of the smallest safe offsets of all points; other lines: medians over the points",
         "the dashed line has a gap where no point needs an offset or no offset is safe"};
-    image::save_figure(picture_path(form_index, side, "size"), plot::line_plot(spec));
+    image::save_figure(picture_path(form_index, side, "size"), plot::draw_line_plot(spec));
 }
 
 void OffsetsAlongAxisWriter::finish() {

@@ -93,7 +93,7 @@ table::Table<StrategyRow> number_columns() {
 
 }  // namespace
 
-table::Table<StrategyRow> OffsetPresentation::summary_table() {
+table::Table<StrategyRow> OffsetPresentation::make_summary_table() {
     using R = StrategyRow;
     table::Table<R> table{{"strategy", "rule for the new origin: a name of `lostbits list strategies`",
                            [](const R& r) { return r.strategy->name; }},
@@ -102,7 +102,8 @@ table::Table<StrategyRow> OffsetPresentation::summary_table() {
                           {"point", "starting point: as computed, or projected back onto the surface",
                            [](const R& r) { return name_of(r.offset_form->point_kind); }}};
     table.add(
-        table::subject_columns("form that finds the points and is tested for self-hits", "format of all computations"),
+        table::make_subject_columns("form that finds the points and is tested for self-hits",
+                                    "format of all computations"),
         [](const R& r) -> const auto& { return r.offset_form->tested_form; });
     table.add({"operations", "operations per new ray, as the strategy is written",
                [](const R& r) { return r.strategy->operations(r.offset_form->tested_form.form->shape); }});

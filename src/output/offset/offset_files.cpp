@@ -198,7 +198,7 @@ std::vector<study::Note> OffsetPresentation::notes(const OffsetStudy& study,
     return notes;
 }
 
-Table<study::PixelInBand<OffsetBand>> OffsetPresentation::pixel_table(const OffsetStudy& study) {
+Table<study::PixelInBand<OffsetBand>> OffsetPresentation::make_pixel_table(const OffsetStudy& study) {
     using R = study::PixelInBand<OffsetBand>;
     Table<R> table = study::position_columns<OffsetBand>();
     table.add({"object", "primitive that the ray leaves, from 0", [](const R& r) { return r.band->primitive[r.i]; }});
@@ -227,8 +227,8 @@ Table<study::PixelInBand<OffsetBand>> OffsetPresentation::pixel_table(const Offs
     return table;
 }
 
-std::vector<StrategyRow> OffsetPresentation::summary_rows(const OffsetStudy& study,
-                                                          const std::vector<OffsetSummary>& summaries) {
+std::vector<StrategyRow> OffsetPresentation::make_summary_rows(const OffsetStudy& study,
+                                                               const std::vector<OffsetSummary>& summaries) {
     std::vector<StrategyRow> rows;
     for (std::size_t r = 0; r < study.tested_forms.size(); ++r)
         for (const Side side : both_sides)

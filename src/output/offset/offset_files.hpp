@@ -52,15 +52,15 @@ struct OffsetPresentation {
     static constexpr const char* pixel_title = "One row per pixel with a point that counts";
 
     /// The columns strategy, side, point, form, format and operations, and the numbers of the strategy.
-    static table::Table<StrategyRow> summary_table();
+    static table::Table<StrategyRow> make_summary_table();
     /// One row for every strategy on every side.
-    static std::vector<StrategyRow> summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
+    static std::vector<StrategyRow> make_summary_rows(const Study& study, const std::vector<OffsetSummary>& summaries);
     static std::string file_stem(const Study& study, std::size_t form_index);
     static std::size_t pixels(const Band& band) { return band.is_point.size(); }
     static std::vector<pixel::DrawnColumn<Band>> columns(const Study& study);
     static pixel::SheetFile sheet(const Study& study, const std::filesystem::path& file);
     static std::vector<study::Note> notes(const Study& study, const std::vector<OffsetSummary>& summaries);
-    static table::Table<study::PixelInBand<Band>> pixel_table(const Study& study);
+    static table::Table<study::PixelInBand<Band>> make_pixel_table(const Study& study);
     static bool has_row(const Band& band, std::size_t i) { return band.is_point[i] != 0; }
 };
 

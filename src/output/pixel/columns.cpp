@@ -69,7 +69,7 @@ void ColumnWriter::write_strip(std::size_t column, int y0, const Strip& strip) {
 
 /// Lists each name once, in the order of the columns. If the look of a column makes a legend, that legend replaces the
 /// list.
-std::vector<LegendEntry> ColumnWriter::sheet_legend(std::size_t sheet) const {
+std::vector<LegendEntry> ColumnWriter::make_sheet_legend(std::size_t sheet) const {
     std::vector<LegendEntry> entries;  // each name once
     std::vector<bool> occurs;          // one per entry
     const Look* legend_look = nullptr;
@@ -122,7 +122,7 @@ void ColumnWriter::finish(const std::vector<FinishedSheet>& ends) {
 
     for (std::size_t s = 0; s < sheets_.size(); ++s) {
         const FinishedSheet end = ends.empty() ? FinishedSheet{} : ends[s];
-        auto legend = sheet_legend(s);
+        auto legend = make_sheet_legend(s);
         if (!legend.empty()) legend.front().label += end.remark;
         sheets_[s]->finish(legend, end.order, end.headline);
     }

@@ -116,7 +116,7 @@ public:
 
 private:
     /// Legend of a sheet: the categories that have a pixel.
-    [[nodiscard]] std::vector<image::LegendEntry> sheet_legend(std::size_t sheet) const;
+    [[nodiscard]] std::vector<image::LegendEntry> make_sheet_legend(std::size_t sheet) const;
     void open_single(const PictureFiles& files, const ColumnSpec& column);
     void finish_single(std::size_t column);
 

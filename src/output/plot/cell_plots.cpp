@@ -128,7 +128,7 @@ void draw_matrix_rows(Canvas& canvas, const MatrixPlotSpec& spec, const MatrixLa
 
 }  // namespace
 
-Canvas matrix_plot(const MatrixPlotSpec& spec) {
+Canvas draw_matrix_plot(const MatrixPlotSpec& spec) {
     const std::size_t columns = count_columns(spec);
     if (columns == 0 || spec.rows.empty() || spec.cells.size() != columns * spec.rows.size())
         throw std::invalid_argument("matrix plot: the number of cells is not rows x columns");
@@ -287,7 +287,7 @@ Canvas draw_plane_cells(const PlanePlotSpec& spec, const PlotFrame& frame, Colum
 
 }  // namespace
 
-Canvas plane_plot(const PlanePlotSpec& spec) {
+Canvas draw_plane_plot(const PlanePlotSpec& spec) {
     require_valid_cells(spec);
 
     // Measure the axes, the colour bar, the head and the legend.

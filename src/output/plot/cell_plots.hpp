@@ -34,7 +34,7 @@ struct MatrixPlotSpec {
 
 /// Draws a matrix of coloured cells. Throws std::invalid_argument if there are no cells, or if their number is not rows
 /// × columns.
-[[nodiscard]] image::Canvas matrix_plot(const MatrixPlotSpec& spec);
+[[nodiscard]] image::Canvas draw_matrix_plot(const MatrixPlotSpec& spec);
 
 /// Cell of one pair of parameters. It shows the colour of an outcome or, without a colour, a value. A NaN without a
 /// colour is hatched.
@@ -59,6 +59,6 @@ struct PlanePlotSpec {
 /// Draws each cell in one flat colour. A cell reaches half-way to its neighbours on the scale of the axis, at least one
 /// pixel. A legend entry is added for hatched cells. Throws std::invalid_argument for parameters that do not rise or
 /// are not on their axis, a wrong number of cells, or a value without a colour scale.
-[[nodiscard]] image::Canvas plane_plot(const PlanePlotSpec& spec);
+[[nodiscard]] image::Canvas draw_plane_plot(const PlanePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

@@ -366,7 +366,7 @@ std::vector<double> end_heights(const std::vector<PlotLine>& lines, const AxisRa
 
 }  // namespace
 
-Canvas line_plot(const LinePlotSpec& spec) {
+Canvas draw_line_plot(const LinePlotSpec& spec) {
     if (spec.width < 400 || spec.height < 200)
         throw std::invalid_argument("line plot: it needs at least 400 x 200 pixels");
     if (spec.series.empty() && !spec.envelope) return canvas_without_plot(spec);

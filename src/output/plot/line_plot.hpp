@@ -60,6 +60,6 @@ struct LinePlotSpec {
 ///
 /// Throws std::invalid_argument for x, y and bands of different lengths, for ends of axes that AxisRange refuses, and
 /// for a picture of less than 400 by 200 pixels.
-[[nodiscard]] image::Canvas line_plot(const LinePlotSpec& spec);
+[[nodiscard]] image::Canvas draw_line_plot(const LinePlotSpec& spec);
 
 }  // namespace lostbits::output::plot

@@ -118,18 +118,18 @@ table::Table<S> number_columns() {
 
 }  // namespace
 
-table::Table<StageRow> RenderPresentation::summary_table() {
+table::Table<StageRow> RenderPresentation::make_summary_table() {
     using R = StageRow;
     table::Table<R> table{{"stage", "last stage of the picture: visible, diffuse, shadows or phong",
                            [](const R& r) { return name_of(r.stage); }}};
-    table.add(table::subject_columns("form that finds hits and shadows", "format of all computations"),
+    table.add(table::make_subject_columns("form that finds hits and shadows", "format of all computations"),
               &R::tested_form);
     table.add(number_columns(), &R::summary);
     return table;
 }
 
-std::vector<StageRow> RenderPresentation::summary_rows(const RenderStudy& study,
-                                                       const std::vector<RenderStudy::Summary>& summaries) {
+std::vector<StageRow> RenderPresentation::make_summary_rows(const RenderStudy& study,
+                                                            const std::vector<RenderStudy::Summary>& summaries) {
     std::vector<StageRow> rows;
     for (std::size_t s = 0; s < study.stages.size(); ++s)
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r)
@@ -178,8 +178,9 @@ pixel::ExrLayers<RenderBand> RenderPresentation::layers(const RenderStudy& study
     return layers;
 }
 
-image::ExrSpec RenderPresentation::exr_spec(const RenderStudy& study, std::size_t form_index,
-                                            const std::vector<image::Channel>& channels, const std::string& command) {
+image::ExrSpec RenderPresentation::make_exr_spec(const RenderStudy& study, std::size_t form_index,
+                                                 const std::vector<image::Channel>& channels,
+                                                 const std::string& command) {
     return {.width = study.scene.width,
             .height = study.scene.height,
             .channels = channels,

@@ -55,8 +55,8 @@ struct RenderPresentation {
     using SummaryRow = StageRow;
     static constexpr const char* summary_title = "One row per stage, form and format";
 
-    static table::Table<StageRow> summary_table();
-    static std::vector<StageRow> summary_rows(const Study& study, const std::vector<Study::Summary>& summaries);
+    static table::Table<StageRow> make_summary_table();
+    static std::vector<StageRow> make_summary_rows(const Study& study, const std::vector<Study::Summary>& summaries);
     static std::string file_stem(const Study& study, std::size_t form_index) {
         return map::tested_form_name(study.tested_forms[form_index]);
     }
@@ -66,8 +66,8 @@ struct RenderPresentation {
     static std::vector<study::Note> notes(const Study& study, const std::vector<Study::Summary>& summaries);
     static pixel::ExrLayers<Band> layers(const Study& study);
     /// `command` is the command line that writes the files again.
-    static image::ExrSpec exr_spec(const Study& study, std::size_t form_index,
-                                   const std::vector<image::Channel>& channels, const std::string& command);
+    static image::ExrSpec make_exr_spec(const Study& study, std::size_t form_index,
+                                        const std::vector<image::Channel>& channels, const std::string& command);
 };
 
 }  // namespace lostbits::output::render

@@ -75,7 +75,7 @@ constexpr const char* sheet_note =
     "wrong colour: a byte differs from the certified picture; wrong sphere: another sphere is seen, none where there "
     "is one, or one where there is none";
 
-image::SheetSpec sheet_spec(const RenderStudy& study, const map::FormGrid& grid) {
+image::SheetSpec make_sheet_spec(const RenderStudy& study, const map::FormGrid& grid) {
     const scene::file::Scene& scene = study.scene;
     image::SheetSpec spec{.title = scene.title,
                           .subtitle = {fmt::format("{}, {} x {} pixels; percentages are of all pixels", scene.id,
@@ -217,7 +217,7 @@ std::vector<DrawnColumn<RenderBand>> RenderPresentation::columns(const RenderStu
 }
 
 pixel::SheetFile RenderPresentation::sheet(const RenderStudy& study, const std::filesystem::path& file) {
-    return {file, sheet_spec(study, map::FormGrid(study.tested_forms))};
+    return {file, make_sheet_spec(study, map::FormGrid(study.tested_forms))};
 }
 
 std::vector<study::Note> RenderPresentation::notes(const RenderStudy& study,

@@ -100,7 +100,7 @@ void set_prices(std::vector<FormRow>& rows, const RepairSummary& summary) {
 
 }  // namespace
 
-std::vector<FormRow> form_rows(const RepairSummary& summary) {
+std::vector<FormRow> make_form_rows(const RepairSummary& summary) {
     const auto& repair = summary.repair;
     const auto& original_row = summary.request.tested_form;
     std::vector<FormRow> rows{{"own", std::string(original_row.form->info->name), original_row,
@@ -177,7 +177,7 @@ std::vector<trade::KernelPoint> repair_points(const RepairSummary& summary, cons
 
 }  // namespace
 
-image::Canvas pareto_plot(const RepairSummary& summary) {
+image::Canvas draw_pareto_plot(const RepairSummary& summary) {
     const auto& requirement = summary.request.requirement;
     const bool is_timed = !summary.prices.empty();
     plot::ScatterPlotSpec spec;
@@ -196,7 +196,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     spec.y = {.title = "bits kept"};
 
     // The points refer to the rows.
-    const std::vector<FormRow> rows = form_rows(summary);
+    const std::vector<FormRow> rows = make_form_rows(summary);
     trade::add_kernel_points(spec, repair_points(summary, rows));
     spec.keys = {{"the form", own_marker, plot::ink_colour},
                  {"operations in " + wider_format_name(summary.repair.wider), wider_marker, plot::ink_colour},
@@ -210,7 +210,7 @@ image::Canvas pareto_plot(const RepairSummary& summary) {
     return plot::draw_scatter_plot(spec);
 }
 
-Table<FormRow> form_table() {
+Table<FormRow> make_form_table() {
     using R = FormRow;
     Table<R> table{
         {"kind",
@@ -219,7 +219,7 @@ Table<FormRow> form_table() {
          &R::kind}};
 
     // The form, and what was changed in it.
-    table.add(table::subject_columns("form", "of its inputs and answers"), &R::tested_form);
+    table.add(table::make_subject_columns("form", "of its inputs and answers"), &R::tested_form);
     table.add({{"wider", "format of the wider operations; missing if no operation is wider", &R::wider_format},
                {"wider_operations", "number of its operations that are done wider; missing for the catalogue",
                 [](const R& r) { return when(r.rounding_operation_count != 0, r.wider_operations); }},
@@ -228,7 +228,7 @@ Table<FormRow> form_table() {
                {"rules", "rules that rewrote it, in order; missing if it was not rewritten", &R::rules}});
 
     // Accuracy on the rays of the search, and on others.
-    table.add(choose::quality_columns(), &R::quality);
+    table.add(choose::make_quality_columns(), &R::quality);
     table.add({"meets", "true if it meets the requirement", &R::meets_requirement});
     table.add<FormQuality>(
         {{"apart_rays", "rays that the search did not use; missing if they were not measured", &FormQuality::rays},
@@ -249,7 +249,7 @@ Table<FormRow> form_table() {
          [](const R& r) { return when(r.price != nullptr, r.is_on_pareto_front); }});
 }
 
-Table<MinimalRow> minimal_table() {
+Table<MinimalRow> make_minimal_table() {
     using R = MinimalRow;
     return {
         {"operation",
@@ -288,7 +288,7 @@ std::vector<int> count_steps(const Tape& tape) {
 
 }  // namespace
 
-std::vector<MinimalRow> minimal_rows(const RepairSummary& summary) {
+std::vector<MinimalRow> make_minimal_rows(const RepairSummary& summary) {
     std::vector<MinimalRow> rows;
     if (!summary.has_wider_set()) return rows;
     const measure::repair::WiderSet& wider_set = *summary.repair.wider_set;
@@ -318,7 +318,7 @@ Table<ProbeRow> probe_table() {
 
 std::vector<ProbeRow> probe_rows(const RepairSummary& summary) {
     std::vector<ProbeRow> rows;
-    for (const FormRow& form : form_rows(summary))
+    for (const FormRow& form : make_form_rows(summary))
         for (std::size_t k = 0; form.probe_qualities && k < form.probe_qualities->size(); ++k)
             rows.push_back({form, summary.repair.probes[k]->name, &(*form.probe_qualities)[k],
                             (*form.probe_qualities)[k].meets(summary.request.requirement)});
@@ -328,14 +328,14 @@ std::vector<ProbeRow> probe_rows(const RepairSummary& summary) {
 RepairWriter::RepairWriter(const std::filesystem::path& folder)
     : folder_(folder),
       forms_(folder, "mend.csv", "One row per form: the form, with wider operations, rewritten, or of the catalogue",
-             form_table()),
-      minimal_(folder, "minimal.csv", "One row per operation that is done wider", minimal_table()),
+             make_form_table()),
+      minimal_(folder, "minimal.csv", "One row per operation that is done wider", make_minimal_table()),
       probes_(folder, "probes.csv", "One row per form and probe: the scene with axes exchanged, mirrored or rotated",
               probe_table()) {}
 
 void RepairWriter::finish(const RepairSummary& summary) {
-    forms_.add_all(form_rows(summary));
-    minimal_.add_all(minimal_rows(summary));
+    forms_.add_all(make_form_rows(summary));
+    minimal_.add_all(make_minimal_rows(summary));
     probes_.add_all(probe_rows(summary));
     file::write_file(folder_ / "mend.txt", repair_text(summary));
     table::close_tables(folder_, fmt::format("Mended: {}", summary.request.id()), forms_, minimal_, probes_);

@@ -112,14 +112,14 @@ struct FormRow {
 
 /// Rows of the form, the wider set and the symmetric set if they exist, all operations wider, each rewriting, and the
 /// catalogue.
-std::vector<FormRow> form_rows(const RepairSummary& summary);
+std::vector<FormRow> make_form_rows(const RepairSummary& summary);
 
 /// Summary of what a row changes: `c, disc in double: 12.0 → 22.1 bits, no wrong decision, +0.3 ns a ray`.
 std::string change_text(const RepairSummary& summary, const FormRow& row);
 
 /// Plots the kept bits of all rows against their time in packs, or against the number of wider operations if nothing
 /// was timed.
-image::Canvas pareto_plot(const RepairSummary& summary);
+image::Canvas draw_pareto_plot(const RepairSummary& summary);
 
 /// A row of minimal.csv: the form with one operation of the wider set left as it was.
 struct MinimalRow {
@@ -137,9 +137,9 @@ struct ProbeRow {
 };
 table::Table<ProbeRow> probe_table();
 std::vector<ProbeRow> probe_rows(const RepairSummary& summary);
-table::Table<FormRow> form_table();
-table::Table<MinimalRow> minimal_table();
-std::vector<MinimalRow> minimal_rows(const RepairSummary& summary);
+table::Table<FormRow> make_form_table();
+table::Table<MinimalRow> make_minimal_table();
+std::vector<MinimalRow> make_minimal_rows(const RepairSummary& summary);
 
 /// Opens the files before the work and gives them their final names when they are complete.
 class RepairWriter {

@@ -300,7 +300,7 @@ std::string prices_text(const RepairSummary& summary) {
         "These forms were compiled, compared bit by bit with their recorded operations on all rays, and timed (*: no "
         "other is both as accurate and as fast):\n";
     std::string other_lines;
-    for (const FormRow& row : form_rows(summary)) {
+    for (const FormRow& row : make_form_rows(summary)) {
         if (!row.price || !row.is_shown) continue;
         (row.is_on_pareto_front ? text : other_lines) +=
             fmt::format("  {}{}: {}; {}.\n", row.is_on_pareto_front ? "* " : "",

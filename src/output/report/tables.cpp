@@ -177,8 +177,8 @@ std::string mend_table(const repair::RepairSummary& result) {
 
 std::string offset_table(const measure::offset::OffsetStudy& study,
                          const std::vector<measure::offset::OffsetSummary>& summaries) {
-    auto table = offset::OffsetPresentation::summary_table();
-    const auto rows = offset::OffsetPresentation::summary_rows(study, summaries);
+    auto table = offset::OffsetPresentation::make_summary_table();
+    const auto rows = offset::OffsetPresentation::make_summary_rows(study, summaries);
     std::string text = "<div class=\"pair\">\n";
     for (const Side side : both_sides) {
         std::vector<std::string> names{"strategy"};

@@ -3,13 +3,13 @@
 // members:
 //
 //   Study, SummaryRow                     the study, and a row of its summary.csv
-//   summary_title, summary_table(), summary_rows(study, summaries)
+//   summary_title, make_summary_table(), make_summary_rows(study, summaries)
 //   file_stem(study, form_index)          the stem of the files of a row
 //   pixels(band)                          the number of pixels of a band
 //   columns(study), sheet(study)          pictures of pixels, and the sheet that shows them
 //   notes(study, summaries)               the texts below the cells of the sheet
-//   pixel_title, pixel_table(study)       optional. `has_row(band, i)`, also optional: false for a pixel without a row
-//   layers(study), exr_spec(study, row, command)   optional: the EXR of a row
+//   pixel_title, make_pixel_table(study)  optional. `has_row(band, i)`, also optional: false for a pixel without a row
+//   layers(study), make_exr_spec(study, row, command)   optional: the EXR of a row
 #pragma once
 
 #include <deque>
@@ -69,7 +69,8 @@ public:
                      .opens_files = !keep_piece_},
                     Presentation::columns(study)) {
         if (!keep_piece_)
-            table_.emplace(options_.folder, "summary.csv", Presentation::summary_title, Presentation::summary_table());
+            table_.emplace(options_.folder, "summary.csv", Presentation::summary_title,
+                           Presentation::make_summary_table());
         for (std::size_t r = 0; r < study.tested_forms.size(); ++r) add_form(r);
     }
     StudyWriter(const StudyWriter&) = delete;
@@ -88,7 +89,7 @@ public:
             pictures_.writer().set_note(note.position, std::move(note.text));
         pictures_.writer().finish();
         if (options_.folder.empty()) return;
-        table_->add_all(Presentation::summary_rows(study_, summaries));
+        table_->add_all(Presentation::make_summary_rows(study_, summaries));
         table::close_tables(options_.folder, study_.scene.title, *table_, forms_, options_.other_tables);
     }
 
@@ -102,11 +103,11 @@ private:
 
         // The table of pixels, if the presentation has one and it is asked for.
         std::unique_ptr<table::TableFile<Pixel>> table;
-        if constexpr (requires { Presentation::pixel_table(study_); }) {
+        if constexpr (requires { Presentation::make_pixel_table(study_); }) {
             if (options_.writes_pixels_csv)
                 table = std::make_unique<table::TableFile<Pixel>>(
                     keep_piece_ ? "" : options_.folder, Presentation::file_stem(study_, r) + ".csv",
-                    Presentation::pixel_title, Presentation::pixel_table(study_));
+                    Presentation::pixel_title, Presentation::make_pixel_table(study_));
             functions.add_pixel = [](table::TableFile<Pixel>& file, const Band& band, std::size_t i) {
                 if constexpr (requires { Presentation::has_row(band, i); })
                     if (!Presentation::has_row(band, i)) return;
@@ -129,7 +130,8 @@ private:
         if (keep_piece_) return;
         books_.push_back(std::make_unique<image::ExrBook>(
             options_.folder / (Presentation::file_stem(study_, r) + ".exr"),
-            std::vector{image::ExrPart{"", Presentation::exr_spec(study_, r, layers->channels(), options_.command)}}));
+            std::vector{
+                image::ExrPart{"", Presentation::make_exr_spec(study_, r, layers->channels(), options_.command)}}));
         files.write_exr = [book = books_.back().get()](const std::vector<pixel::ExrScanlines>& pieces) {
             for (const pixel::ExrScanlines& piece : pieces)
                 book->write_rows(piece.part, piece.y0, piece.rows, std::as_bytes(std::span(piece.samples)));

@@ -29,9 +29,9 @@ std::string within_meaning(const scene::sweep::CaseFile& file) {
 
 namespace {
 
-table::Table<CaseRow> case_table(const CaseRequest& request) {
+table::Table<CaseRow> make_case_table(const CaseRequest& request) {
     using R = CaseRow;
-    auto summary = map::summary_table(request.metrics, request.file.shapes());
+    auto summary = map::make_summary_table(request.metrics, request.file.shapes());
     summary.set_meaning("rays", "number of rays in the case");
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "0");
@@ -138,8 +138,8 @@ void add_outcomes_to_legend(plot::MatrixPlotSpec& spec, const std::vector<std::v
 
 }  // namespace
 
-image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
-                          std::optional<intersect::Touching> touching) {
+image::Canvas draw_case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
+                               std::optional<intersect::Touching> touching) {
     const map::LostBitsScale scale(request.tested_forms);
     plot::MatrixPlotSpec spec{
         .title = touching ? fmt::format("{}: judged by the {} primitive", request.file.title,
@@ -175,14 +175,14 @@ image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vec
                            {within_meaning(request.file), map::make_paler(scale.bar().colour_at_position(0.5)), {}});
     }
     if (!has_wrong_value && !has_within_inputs) spec.scale.reset();
-    return plot::matrix_plot(spec);
+    return plot::draw_matrix_plot(spec);
 }
 
 CaseWriter::CaseWriter(const CaseRequest& request, const std::filesystem::path& folder, std::string file_argument)
     : request_(request),
       folder_(folder),
       file_argument_(std::move(file_argument)),
-      csv_(folder, "cases.csv", "One row per case, form and format", case_table(request)) {}
+      csv_(folder, "cases.csv", "One row per case, form and format", make_case_table(request)) {}
 
 void CaseWriter::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
@@ -201,7 +201,7 @@ void CaseWriter::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (const auto& touching : request_.file.conventions) {
         image::save_figure(
             folder_ / (touching ? fmt::format("matrix.{}.png", intersect::convention_name(touching)) : "matrix.png"),
-            case_matrix(request_, cases, touching));
+            draw_case_matrix(request_, cases, touching));
     }
     table::close_tables(folder_, request_.file.title, csv_);
 }

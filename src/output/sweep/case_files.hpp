@@ -47,7 +47,7 @@ private:
 };
 
 /// The matrix of forms (columns, by format) and cases (rows) for the rows judged by one convention.
-image::Canvas case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
-                          std::optional<intersect::Touching> touching = {});
+image::Canvas draw_case_matrix(const CaseRequest& request, const std::vector<std::vector<FormSummary>>& cases,
+                               std::optional<intersect::Touching> touching = {});
 
 }  // namespace lostbits::output::sweep

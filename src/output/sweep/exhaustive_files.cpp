@@ -72,11 +72,11 @@ std::string hex_of(std::uint32_t float_index) { return file::hex(static_cast<dou
 std::string_view outcome_name(Outcome o) { return measure::answer::outcome_names[static_cast<std::size_t>(o)]; }
 
 /// Columns that identify a row in each table.
-Table<FloatsRow> subject_columns() {
+Table<FloatsRow> make_subject_columns() {
     using R = FloatsRow;
     Table<R> table;
     table.add(
-        table::subject_columns(), [](const R& r) -> const auto& { return r.request.tested_forms[r.row]; });
+        table::make_subject_columns(), [](const R& r) -> const auto& { return r.request.tested_forms[r.row]; });
     return table.add(
         {{"ray", "name of the ray", [](const R& r) { return r.request.sweep.rays[r.ray].name; }},
          {"axis", "name of the number that takes every float; columns in the unit of the axis are values of it",
@@ -96,7 +96,7 @@ table::TableColumn<FloatsRow> count_column() {
 }
 
 /// Columns with the number of floats for each outcome that can occur.
-Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
+Table<FloatsRow> make_outcome_columns(const ExhaustiveRequest& request) {
     Table<FloatsRow> table{count_column()};
     const std::size_t outcome_count =
         request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_primitive;
@@ -106,7 +106,7 @@ Table<FloatsRow> outcome_columns(const ExhaustiveRequest& request) {
     return table;
 }
 
-Table<FloatsRow> worst_columns(const std::string& unit) {
+Table<FloatsRow> make_worst_columns(const std::string& unit) {
     using W = FloatsRow::WorstFloat;
     Table<FloatsRow> table;
     table.add<W>(
@@ -133,7 +133,7 @@ Table<FloatsRow> worst_columns(const std::string& unit) {
                       [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->float_index) : ""; }});
 }
 
-Table<FloatsRow> wrong_columns(const std::string& unit) {
+Table<FloatsRow> make_wrong_columns(const std::string& unit) {
     using R = FloatsRow;
     using WrongDecision = FloatTally::WrongDecision;
     Table<R> table;
@@ -168,37 +168,37 @@ Table<FloatsRow> wrong_columns(const std::string& unit) {
           }}});
 }
 
-Table<FloatsRow> binade_table(const ExhaustiveRequest& request) {
+Table<FloatsRow> make_binade_table(const ExhaustiveRequest& request) {
     const std::string& unit = request.sweep.axis.unit;
-    return subject_columns()
+    return make_subject_columns()
         .add({"binade",
               "sign and power of two of its floats; zeros, subnormals, infinities and NaNs have rows of their own",
               &FloatsRow::binade})
         .add(end_columns(unit))
-        .add(outcome_columns(request))
-        .add(worst_columns(unit))
-        .add(wrong_columns(unit));
+        .add(make_outcome_columns(request))
+        .add(make_worst_columns(unit))
+        .add(make_wrong_columns(unit));
 }
 
-Table<FloatsRow> statement_table(const ExhaustiveRequest& request) {
+Table<FloatsRow> make_statement_table(const ExhaustiveRequest& request) {
     const std::string& unit = request.sweep.axis.unit;
-    return subject_columns()
+    return make_subject_columns()
         .add(end_columns(unit))
-        .add(outcome_columns(request))
+        .add(make_outcome_columns(request))
         .add({"right_up_to_hex", unit,
               "the last float before the first wrong decision; missing if no decision is wrong, or the first one is",
               &FloatsRow::right_up_to})
-        .add(wrong_columns(unit))
-        .add(worst_columns(unit))
+        .add(make_wrong_columns(unit))
+        .add(make_worst_columns(unit))
         .add({"statement", "the row in words", &FloatsRow::statement});
 }
 
-Table<FloatEventRow> onset_table(const ExhaustiveRequest& request) {
+Table<FloatEventRow> make_onset_table(const ExhaustiveRequest& request) {
     using R = FloatEventRow;
     const std::string& unit = request.sweep.axis.unit;
     const auto float_value = [](std::uint32_t float_index) { return float_at(float_index); };
     Table<R> table;
-    table.add(subject_columns().add(end_columns(unit)), &R::floats_row);
+    table.add(make_subject_columns().add(end_columns(unit)), &R::floats_row);
 
     // The event.
     table.add({{"event", "the event: lost_bits reach the threshold, or an outcome occurs",
@@ -313,9 +313,9 @@ std::string statement(const ExhaustiveRequest& request, const RangeFinding& find
 ExhaustiveWriter::ExhaustiveWriter(const ExhaustiveRequest& request, const std::filesystem::path& folder)
     : request_(request),
       folder_(folder),
-      binades_(folder, "binades.csv", "One row per form, ray and binade of the axis", binade_table(request)),
-      statements_(folder, "statements.csv", "One row per form, ray and range of floats", statement_table(request)),
-      onsets_(folder, "onsets.csv", "One row per form, ray, range of floats and event", onset_table(request)) {}
+      binades_(folder, "binades.csv", "One row per form, ray and binade of the axis", make_binade_table(request)),
+      statements_(folder, "statements.csv", "One row per form, ray and range of floats", make_statement_table(request)),
+      onsets_(folder, "onsets.csv", "One row per form, ray, range of floats and event", make_onset_table(request)) {}
 
 void ExhaustiveWriter::add_binades(const ExhaustiveState& state) {
     const auto binades = measure::sweep::split_into_binades(request_.sweep);
@@ -360,8 +360,8 @@ void ExhaustiveWriter::finish(const ExhaustiveState& state, const std::vector<Ra
         add_statement(finding);
     }
     if (const auto plots = exhaustive_plots(request_, state)) {
-        image::save_figure(folder_ / "lost_bits_max.png", plot::line_plot(plots->lost_bits));
-        image::save_figure(folder_ / "wrong.png", plot::line_plot(plots->wrong));
+        image::save_figure(folder_ / "lost_bits_max.png", plot::draw_line_plot(plots->lost_bits));
+        image::save_figure(folder_ / "wrong.png", plot::draw_line_plot(plots->wrong));
     }
     table::close_tables(folder_, request_.sweep.title, binades_, onsets_, statements_);
 }

@@ -33,7 +33,7 @@ constexpr const char* views_meaning =
 }  // namespace
 
 Table<SampleRow> sample_table(const SweepRequest& request) {
-    auto summary = map::summary_table(request.metrics, request.sweep.shapes(), request.sweep.has_mesh());
+    auto summary = map::make_summary_table(request.metrics, request.sweep.shapes(), request.sweep.has_mesh());
     // Rays of a sweep form no picture. The position of the worst ray is its index in its set.
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "row of a scene's picture, 0 for a ray distribution");
@@ -52,7 +52,7 @@ std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vecto
     return rows;
 }
 
-Table<Onset> onset_table(const SweepRequest& request) {
+Table<Onset> make_onset_table(const SweepRequest& request) {
     using R = Onset;
     const scene::sweep::Axis& axis = request.sweep.axes.front();
 
@@ -75,7 +75,9 @@ Table<Onset> onset_table(const SweepRequest& request) {
 
     Table<R> table;
     table.add(
-        table::subject_columns(), [&request](const R& r) -> const auto& { return request.tested_forms[r.form_index]; });
+        table::make_subject_columns(), [&request](const R& r) -> const auto& {
+            return request.tested_forms[r.form_index];
+        });
     return table.add(
         {// the event
          {"event",
@@ -130,8 +132,8 @@ Table<Onset> onset_table(const SweepRequest& request) {
 }
 
 void SweepWriter::require_own_columns(const SweepRequest& request) {
-    for (const auto& columns : {sample_table(request).columns(), onset_table(request).columns(),
-                                step_columns(request, map::culprit_table()).columns()}) {
+    for (const auto& columns : {sample_table(request).columns(), make_onset_table(request).columns(),
+                                step_columns(request, map::make_culprit_table()).columns()}) {
         std::set<std::string> names;
         for (const file::Column& column : columns) {
             if (names.insert(column.name).second) continue;
@@ -154,10 +156,10 @@ SweepWriter::SweepWriter(const SweepRequest& request, const std::filesystem::pat
     // An onset is a position on one axis.
     if (request.sweep.axes.size() == 1)
         onsets_.emplace(folder, "onsets.csv", "One row per form, format, event, threshold and end of the axis",
-                        onset_table(request));
+                        make_onset_table(request));
     if (map::asks_for_culprits(request.metrics))
         culprits_.emplace(folder, "culprits.csv", "One row per form, format, step and operation that is a culprit",
-                          step_columns(request, map::culprit_table()));
+                          step_columns(request, map::make_culprit_table()));
 }
 
 void SweepWriter::finish(const std::vector<SweepStep>& steps, const std::vector<Onset>& onsets) {

@@ -25,7 +25,7 @@ using SampleRow = StepRow<map::SummaryRow>;
 /// Columns and rows of samples.csv, and columns of onsets.csv.
 table::Table<SampleRow> sample_table(const SweepRequest& request);
 std::vector<SampleRow> sample_rows(const SweepRequest& request, const std::vector<SweepStep>& steps);
-table::Table<Onset> onset_table(const SweepRequest& request);
+table::Table<Onset> make_onset_table(const SweepRequest& request);
 
 /// Files of a sweep. The tables are opened before the work and get their final names in `finish`.
 class SweepWriter {

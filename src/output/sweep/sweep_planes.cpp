@@ -172,8 +172,8 @@ std::vector<image::Rgb8> sheet_colours(const DrawnPlane& drawn, std::size_t widt
 }
 
 /// Legend of a sheet of planes: the outcomes that any plane shows, and the colours that not every sheet has.
-std::vector<image::LegendEntry> plane_sheet_legend(const std::vector<DrawnPlane>& planes,
-                                                   const map::LostBitsScale& scale) {
+std::vector<image::LegendEntry> make_plane_sheet_legend(const std::vector<DrawnPlane>& planes,
+                                                        const map::LostBitsScale& scale) {
     CellCounts total;
     bool has_gap = false;
     bool has_explained = false;
@@ -184,7 +184,7 @@ std::vector<image::LegendEntry> plane_sheet_legend(const std::vector<DrawnPlane>
         has_explained |= std::ranges::find(drawn.is_explained, true) != drawn.is_explained.end();
     }
 
-    std::vector<image::LegendEntry> legend = map::outcome_legend(total.outcomes, total.cells);
+    std::vector<image::LegendEntry> legend = map::make_outcome_legend(total.outcomes, total.cells);
     for (image::LegendEntry& entry : legend) entry.count.clear();
     if (has_gap) legend.push_back({gap_text(), no_value_colour, ""});
     if (has_explained)
@@ -208,12 +208,13 @@ std::string plane_note(const DrawnPlane& drawn) {
 
 }  // namespace
 
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t form_index) {
+image::Canvas draw_plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps,
+                                 std::size_t form_index) {
     const auto& axes = request.sweep.axes;
     const TestedForm& tested = request.tested_forms[form_index];
     const SweepGrid plane(request, steps);
     const DrawnPlane drawn = draw_plane(request, plane, form_index);
-    return plot::plane_plot(
+    return plot::draw_plane_plot(
         {.title = fmt::format("{} in {}: lost bits, p99", tested.form->info->name, tested.format.name),
          .subtitle = {request.sweep.title,
                       std::string(drawn.has_outlined_cells ? outline_meaning : no_outline_text) + "."},
@@ -224,7 +225,7 @@ image::Canvas plane_picture(const SweepRequest& request, const std::vector<Sweep
          .cells = drawn.cells,
          .scale = map::metric_scale(*measure::metric::find_metric("lost_bits"), tested.format.parameters),
          .bar_label = "lost bits",
-         .legend = map::outcome_legend(drawn.counts.outcomes, drawn.counts.cells),
+         .legend = map::make_outcome_legend(drawn.counts.outcomes, drawn.counts.cells),
          .hatching_meaning = drawn.has_withheld_cells ? gap_text() : "no value"});
 }
 
@@ -262,7 +263,7 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
                        sheet_colours(planes[r], plane.x.size(), scale, request.tested_forms[r].format.parameters));
         sheet.set_note(form, format, plane_note(planes[r]));
     }
-    sheet.finish(plane_sheet_legend(planes, scale));
+    sheet.finish(make_plane_sheet_legend(planes, scale));
 }
 
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
@@ -271,7 +272,8 @@ void write_planes(const std::filesystem::path& folder, const SweepRequest& reque
     write_plane_sheet(folder / "contact.png", request, steps);
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const std::string file_stem = map::tested_form_name(request.tested_forms[r]);
-        if (draws_single_pictures) image::save_figure(folder / (file_stem + ".png"), plane_picture(request, steps, r));
+        if (draws_single_pictures)
+            image::save_figure(folder / (file_stem + ".png"), draw_plane_picture(request, steps, r));
         write_exr(folder / (file_stem + ".exr"), request, plane, r);
     }
 }

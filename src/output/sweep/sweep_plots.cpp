@@ -130,8 +130,8 @@ void add_marks(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& for
     }
 }
 
-image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity,
-                         PlotSize size = {}) {
+image::Canvas draw_line_chart(const MeasuredSweep& sweep, const Format& format, const Quantity& quantity,
+                              PlotSize size = {}) {
     LinePlotSpec spec = common_spec(sweep, fmt::format("{} in {}", quantity.title, format.name), quantity.axis);
     spec.width = size.width;
     spec.height = size.height;
@@ -140,17 +140,17 @@ image::Canvas line_chart(const MeasuredSweep& sweep, const Format& format, const
     // Without anything to draw, the page only says why.
     if (!quantity.empty_text.empty()) {
         spec.empty_text = quantity.empty_text;
-        return plot::line_plot(spec);
+        return plot::draw_line_plot(spec);
     }
     add_form_lines(spec, sweep, format, quantity);
     add_shade_and_notes(spec, sweep, format, quantity.is_over_hits);
     add_marks(spec, sweep, format);
-    return plot::line_plot(spec);
+    return plot::draw_line_plot(spec);
 }
 
 }  // namespace
 
-image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size) {
+image::Canvas draw_lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size) {
     const SweepRequest& request = sweep.request;
     const std::size_t lost_index = measure::metric::index_of(request.metrics, "lost_bits"),
                       inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
@@ -163,10 +163,10 @@ image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, d
         quantity.envelope = [inherent_index, q](const FormSummary& summary) {
             return drawn_quantile(summary, inherent_index, q);
         };
-    return line_chart(sweep, format, quantity, size);
+    return draw_line_chart(sweep, format, quantity, size);
 }
 
-image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
+image::Canvas draw_outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
     const auto outcome_fraction = [outcome](const FormSummary& summary) {
         return measure::truth::fraction(summary.count(outcome), summary.rays);
     };
@@ -190,7 +190,7 @@ image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Out
         });
     if (is_possible) quantity.note = "a line at 0, below the log scale, means no such ray in that step";
     else quantity.empty_text = "No ray of this sweep truly misses, so none can be a false hit.";
-    return line_chart(sweep, format, quantity, size);
+    return draw_line_chart(sweep, format, quantity, size);
 }
 
 bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome) {
@@ -228,8 +228,8 @@ using LabelledMetrics = std::vector<std::pair<std::string, std::string>>;
 
 /// Plots the medians of the parts of one row's error side by side, and where each step of a transform first loses an
 /// ulp.
-image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, const std::string& title,
-                         const LabelledMetrics& parts) {
+image::Canvas draw_parts_plot(const MeasuredSweep& sweep, std::size_t form_index, const std::string& title,
+                              const LabelledMetrics& parts) {
     const SweepRequest& request = sweep.request;
     const TestedForm& tested_form = request.tested_forms[form_index];
     LinePlotSpec spec = common_spec(
@@ -250,7 +250,7 @@ image::Canvas parts_plot(const MeasuredSweep& sweep, std::size_t form_index, con
     for (const auto& mark : request.sweep.marks) {
         if (mark.format.empty() || mark.format == tested_form.format.name) spec.marks.push_back({mark.at, mark.label});
     }
-    return plot::line_plot(spec);
+    return plot::draw_line_plot(spec);
 }
 
 /// The metrics of the steps of a transform that the request measures.
@@ -281,29 +281,30 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
                                    count_of(intersect::StopReason::stagnated)) /
                static_cast<double>(summary.rays);
     };
-    save("unfinished", line_chart(sweep, format,
-                                  {.title = "Marches that did not finish",
-                                   .axis = fraction_axis,
-                                   .value = unfinished,
-                                   .shows = is_marching}));
+    save("unfinished", draw_line_chart(sweep, format,
+                                       {.title = "Marches that did not finish",
+                                        .axis = fraction_axis,
+                                        .value = unfinished,
+                                        .shows = is_marching}));
 
     // Number of samples of the field.
-    save("iterations", line_chart(sweep, format,
-                                  {.title = "Samples of the field, 99th percentile",
-                                   .axis = {.title = "samples", .scale = plot::AxisSpec::Scale::log2, .low = 1.0},
-                                   .value =
-                                       [iterations_index](const FormSummary& summary) {
-                                           return summary.metrics[iterations_index].quantile(0.99);
-                                       },
-                                   .shows = is_marching}));
+    save("iterations", draw_line_chart(sweep, format,
+                                       {.title = "Samples of the field, 99th percentile",
+                                        .axis = {.title = "samples", .scale = plot::AxisSpec::Scale::log2, .low = 1.0},
+                                        .value =
+                                            [iterations_index](const FormSummary& summary) {
+                                                return summary.metrics[iterations_index].quantile(0.99);
+                                            },
+                                        .shows = is_marching}));
 
     // Errors of each form, split into those of the model and those of rounding.
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const TestedForm& tested_form = request.tested_forms[r];
         if (tested_form.format == format && is_marching(tested_form))
             save(fmt::format("split.{}", tested_form.form->info->name),
-                 parts_plot(sweep, r, "Model and rounding error",
-                            {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}}));
+                 draw_parts_plot(
+                     sweep, r, "Model and rounding error",
+                     {{"model_error", "model"}, {"rounding_error", "rounding"}, {"ulp_error", "total error"}}));
     }
 }
 
@@ -327,7 +328,7 @@ std::vector<std::size_t> rank_culprits(const MeasuredSweep& sweep, std::size_t f
 
 /// Plots the culprits of one row along the axis: the fractions of the operations that are blamed most at any step, and
 /// the fraction of all other operations together. Nothing if no operation is blamed.
-std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_t form_index) {
+std::optional<image::Canvas> draw_culprit_plot(const MeasuredSweep& sweep, std::size_t form_index) {
     const SweepRequest& request = sweep.request;
     constexpr std::size_t max_operations = 7;
     constexpr std::size_t max_letters = 70;
@@ -360,7 +361,7 @@ std::optional<image::Canvas> culprit_plot(const MeasuredSweep& sweep, std::size_
     if (named_count < order.size())
         add(text::count_with_noun(order.size() - named_count, "other operation"),
             std::span(order).subspan(named_count));
-    return plot::line_plot(spec);
+    return plot::draw_line_plot(spec);
 }
 
 }  // namespace
@@ -382,11 +383,11 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
         };
 
         // Plots of every sweep.
-        save("lost_bits_p50", lost_bits_plot(sweep, format, 0.5));
-        save("lost_bits_p99", lost_bits_plot(sweep, format, 0.99));
+        save("lost_bits_p50", draw_lost_bits_plot(sweep, format, 0.5));
+        save("lost_bits_p99", draw_lost_bits_plot(sweep, format, 0.99));
         for (const Outcome o : wrong_outcomes(sweep, format))
             save(std::string(measure::answer::outcome_names[static_cast<std::size_t>(o)]),
-                 outcome_plot(sweep, format, o));
+                 draw_outcome_plot(sweep, format, o));
         write_march_plots(save, sweep, format);
 
         // Plots of one form each, if steps of transforms or culprits are measured.
@@ -396,9 +397,9 @@ void write_sweep_plots(const std::filesystem::path& folder, const MeasuredSweep&
             const LabelledMetrics step_metrics = transform_step_metrics(request);
             if (!step_metrics.empty() && tested_form.form->has_transform_method)
                 save(fmt::format("steps.{}", tested_form.form->info->name),
-                     parts_plot(sweep, r, "Steps", step_metrics));
+                     draw_parts_plot(sweep, r, "Steps", step_metrics));
             if (!map::asks_for_culprits(request.metrics)) continue;
-            if (const auto plot = culprit_plot(sweep, r))
+            if (const auto plot = draw_culprit_plot(sweep, r))
                 save(fmt::format("culprit.{}", tested_form.form->info->name), *plot);
         }
     }

@@ -47,10 +47,10 @@ struct PlotSize {
 };
 
 /// Plot of the quantile q (0.5 or 0.99) of lost bits in one format.
-image::Canvas lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size = {});
+image::Canvas draw_lost_bits_plot(const MeasuredSweep& sweep, const Format& format, double q, PlotSize size = {});
 
 /// Plot of the fraction of rays with one wrong outcome in one format, on a log axis with 0 drawn below it.
-image::Canvas outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
+image::Canvas draw_outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size = {});
 
 /// True if any ray of a form in the format has the outcome.
 [[nodiscard]] bool has_outcome(const MeasuredSweep& sweep, const Format& format, Outcome outcome);
@@ -87,7 +87,8 @@ inline constexpr const char* no_outline_text =
 void write_planes(const std::filesystem::path& folder, const SweepRequest& request, const std::vector<SweepStep>& steps,
                   bool draws_single_pictures);
 /// The plane of one row of the request, as `write_planes` saves it.
-image::Canvas plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps, std::size_t form_index);
+image::Canvas draw_plane_picture(const SweepRequest& request, const std::vector<SweepStep>& steps,
+                                 std::size_t form_index);
 /// Writes the contact sheet of `write_planes`. On the sheet a step is one colour, and cells that the outline would not
 /// enclose are paler instead (`map::paler_colour_meaning`).
 void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& request,

@@ -83,14 +83,14 @@ scene::rays::RayGroup make_worst_group(const WorstResult& w) {
     return group;
 }
 
-table::Table<WorstRow> worst_table(const WorstRequest& request) {
+table::Table<WorstRow> make_worst_table(const WorstRequest& request) {
     using R = WorstRow;
     using W = WorstResult;
     const measure::metric::Metric& metric =
         *request.metrics[measure::metric::index_of(request.metrics, request.search.metric)];
     const auto worst = [](const R& r) -> const std::optional<W>& { return r.worst; };
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::tested_form);
+    table.add(table::make_subject_columns(), &R::tested_form);
     table.add(
         {"found", "true if the form hit anything within the ranges", [](const R& r) { return r.worst.has_value(); }});
 
@@ -109,8 +109,8 @@ table::Table<WorstRow> worst_table(const WorstRequest& request) {
                        [](const W& w) { return table::when(w.outcome != Outcome::false_miss, w.t); }});
     columns.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss",
                        or_missing(&W::truth)});
-    columns.add(table::ray_columns("of the worst ray"), &W::ray);
-    columns.add(table::primitive_columns(request.search.shape, "of its primitive"), &W::primitive);
+    columns.add(table::make_ray_columns("of the worst ray"), &W::ray);
+    columns.add(table::make_primitive_columns(request.search.shape, "of its primitive"), &W::primitive);
     table.add(columns, worst);
     return table.add(
         {"explain", "the command that explains the worst ray and prints these numbers again", [](const R& r) {
@@ -137,7 +137,7 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
                  const std::vector<std::optional<WorstResult>>& results) {
     const scene::sweep::SearchFile& search = request.search;
     table::TableFile<WorstRow> csv(folder, "worst.csv", "One row per form and format: the worst ray found",
-                                   worst_table(request));
+                                   make_worst_table(request));
     file::AtomicFile hard_cases(folder / "hard.toml");
 
     // The file of cases begins with the command that found them.
@@ -178,7 +178,7 @@ table::Table<NearestRow> nearest_table() {
     using N = NearestRay;
     const auto nearest = [](const R& r) -> const std::optional<N>& { return r.nearest; };
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::tested_form);
+    table.add(table::make_subject_columns(), &R::tested_form);
 
     // The search.
     table.add(
@@ -198,7 +198,7 @@ table::Table<NearestRow> nearest_table() {
                   {"t", "t", "the form's answer, in its own unit; missing if it misses", or_missing(&N::t)},
                   {"truth", "t", "t*, correctly rounded to binary64, in the same unit", &N::true_t}},
                  nearest);
-    table.add(table::ray_columns("of the nearest ray"),
+    table.add(table::make_ray_columns("of the nearest ray"),
               [](const R& r) { return r.nearest ? &r.nearest->ray : nullptr; });
     return table.add({"explain", "the command that explains that ray", &R::explain});
 }
@@ -209,10 +209,10 @@ struct CensusRow {
     const measure::edges::EdgeCount& count;
 };
 
-table::Table<CensusRow> census_table() {
+table::Table<CensusRow> make_census_table() {
     using R = CensusRow;
     table::Table<R> table;
-    table.add(table::subject_columns(), &R::tested_form);
+    table.add(table::make_subject_columns(), &R::tested_form);
     table.add({{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
                 [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
                {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
@@ -262,7 +262,7 @@ void NearestWriter::write(const std::filesystem::path& folder) const {
     table::TableFile<CensusRow> census(folder, "census.csv",
                                        "One row per form, format and target: cracks and double hits of the rays of the "
                                        "census",
-                                       census_table());
+                                       make_census_table());
     for (std::size_t r = 0; r < findings.size(); ++r)
         for (std::size_t k = 0; k < findings[r].census.size(); ++k)
             if (findings[r].census.at(k).rays > 0) census.add({request.tested_forms[r], k, findings[r].census.at(k)});

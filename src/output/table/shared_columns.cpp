@@ -6,12 +6,12 @@ namespace lostbits::output::table {
 
 using measure::evaluate::TestedForm;
 
-Table<TestedForm> subject_columns(const std::string& form, const std::string& format) {
+Table<TestedForm> make_subject_columns(const std::string& form, const std::string& format) {
     return {{"form", form, [](const TestedForm& tested_form) { return tested_form.form->info->name; }},
             {"format", format, [](const TestedForm& tested_form) { return tested_form.format.name; }}};
 }
 
-Table<Ray<double>> ray_columns(const std::string& meaning) {
+Table<Ray<double>> make_ray_columns(const std::string& meaning) {
     using R = Ray<double>;
     Table<R> table;
     const auto add = [&](const std::string& part, Vec<double> R::*vector) {
@@ -24,7 +24,7 @@ Table<Ray<double>> ray_columns(const std::string& meaning) {
     return table;
 }
 
-Table<Primitive<double>> primitive_columns(Shape shape, const std::string& meaning) {
+Table<Primitive<double>> make_primitive_columns(Shape shape, const std::string& meaning) {
     using S = Primitive<double>;
     Table<S> table;
     std::size_t index = 0;

@@ -11,15 +11,15 @@
 namespace lostbits::output::table {
 
 /// The columns form and format.
-Table<measure::evaluate::TestedForm> subject_columns(const std::string& form = "form under test",
-                                                     const std::string& format = "format it computes in");
+Table<measure::evaluate::TestedForm> make_subject_columns(const std::string& form = "form under test",
+                                                          const std::string& format = "format it computes in");
 
 /// Columns with origin and direction as C hexadecimal floats. `meaning` is the meaning of each column.
-Table<Ray<double>> ray_columns(const std::string& meaning);
+Table<Ray<double>> make_ray_columns(const std::string& meaning);
 
 /// Columns with the numbers of a primitive of this shape as C hexadecimal floats. `meaning` is the meaning of each
 /// column.
-Table<Primitive<double>> primitive_columns(Shape shape, const std::string& meaning);
+Table<Primitive<double>> make_primitive_columns(Shape shape, const std::string& meaning);
 
 /// A part as a fraction of the whole; missing if the whole is 0.
 inline std::optional<double> fraction_or_missing(std::uint64_t part, std::uint64_t whole) {

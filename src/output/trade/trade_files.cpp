@@ -30,7 +30,7 @@ constexpr const char* form_meaning = "form under test; with +contract or +fastma
 
 }  // namespace
 
-Table<TimeRow> time_table() {
+Table<TimeRow> make_time_table() {
     using R = TimeRow;
     using KernelTime = TradeResult::KernelTime;
     Table<R> table;
@@ -75,7 +75,7 @@ Table<TimeRow> time_table() {
     return table;
 }
 
-Table<ParetoRow> pareto_table() {
+Table<ParetoRow> make_pareto_table() {
     using R = ParetoRow;
 
     // Columns of one outcome, and of one quantile of a metric.
@@ -185,7 +185,7 @@ int marker_of(const TradeKernel& kernel) {
     return entry == std::end(kernel_markers) ? 0 : entry->marker;
 }
 
-std::vector<ScatterPlotSpec::Key> legend_keys(const TradeRequest& request) {
+std::vector<ScatterPlotSpec::Key> make_legend_keys(const TradeRequest& request) {
     std::vector<ScatterPlotSpec::Key> keys;
     // The colours of the formats, and the markers of the register widths.
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
@@ -232,7 +232,7 @@ std::string register_text(const TradeKernel& kernel) {
     return kernel.isa == "scalar" ? "one ray at a time" : fmt::format("{}-bit registers", kernel.isa);
 }
 
-ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set_index) {
+ScatterPlotSpec make_trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set_index) {
     const auto qualities = pareto_points(request, result, set_index);
     const std::size_t load = measure::trade::reference_load(request.loads);
     ScatterPlotSpec spec;
@@ -257,7 +257,7 @@ ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& resul
                           .is_hollow = !qualities[k].never_wrong()});
     }
     add_kernel_points(spec, points);
-    spec.keys = legend_keys(request);
+    spec.keys = make_legend_keys(request);
     return spec;
 }
 
@@ -327,11 +327,12 @@ TradeWriter::TradeWriter(const TradeRequest& request, const std::filesystem::pat
       folder_(folder),
       times_(folder, "trade.csv",
              "One row per form, format, register width, working set and hit rate; times vary from run to run",
-             time_table()),
+             make_time_table()),
       pareto_(folder, "pareto.csv",
-              "One row per set of rays, form, format and register width; times vary from run to run", pareto_table()) {}
+              "One row per set of rays, form, format and register width; times vary from run to run",
+              make_pareto_table()) {}
 
-std::vector<TimeRow> time_rows(const TradeRequest& request, const TradeResult& result) {
+std::vector<TimeRow> make_time_rows(const TradeRequest& request, const TradeResult& result) {
     std::vector<TimeRow> rows;
     for (std::size_t k = 0; k < request.kernels.size(); ++k)
         for (std::size_t load = 0; load < request.loads.size(); ++load)
@@ -340,7 +341,7 @@ std::vector<TimeRow> time_rows(const TradeRequest& request, const TradeResult& r
     return rows;
 }
 
-std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResult& result) {
+std::vector<ParetoRow> make_pareto_rows(const TradeRequest& request, const TradeResult& result) {
     std::vector<ParetoRow> rows;
     const auto sets = measure::trade::trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
@@ -357,12 +358,12 @@ std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResul
 }
 
 void TradeWriter::finish(const TradeResult& result) {
-    times_.add_all(time_rows(request_, result));
-    pareto_.add_all(pareto_rows(request_, result));
+    times_.add_all(make_time_rows(request_, result));
+    pareto_.add_all(make_pareto_rows(request_, result));
     const auto sets = measure::trade::trade_sets(request_);
     for (std::size_t s = 0; s < sets.size(); ++s)
         image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
-                           plot::draw_scatter_plot(trade_plot(request_, result, s)));
+                           plot::draw_scatter_plot(make_trade_plot(request_, result, s)));
 
     file::write_file(folder_ / "trade.txt", trade_text(request_, result));
     table::close_tables(folder_,

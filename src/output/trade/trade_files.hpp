@@ -68,10 +68,10 @@ struct ParetoRow {
     bool is_dominated;
 };
 
-[[nodiscard]] table::Table<TimeRow> time_table();
-[[nodiscard]] std::vector<TimeRow> time_rows(const TradeRequest& request, const TradeResult& result);
-[[nodiscard]] table::Table<ParetoRow> pareto_table();
-[[nodiscard]] std::vector<ParetoRow> pareto_rows(const TradeRequest& request, const TradeResult& result);
+[[nodiscard]] table::Table<TimeRow> make_time_table();
+[[nodiscard]] std::vector<TimeRow> make_time_rows(const TradeRequest& request, const TradeResult& result);
+[[nodiscard]] table::Table<ParetoRow> make_pareto_table();
+[[nodiscard]] std::vector<ParetoRow> make_pareto_rows(const TradeRequest& request, const TradeResult& result);
 
 /// Files of a trade. They are opened before the work and get their final names when they are complete.
 class TradeWriter {
@@ -104,6 +104,6 @@ std::string register_text(const measure::trade::TradeKernel& kernel);
 /// Plot of a trade: markers by register width, colours by format. Dominated kernels are grey, and kernels that decide
 /// any ray wrongly are hollow. A stepped line joins the kernels that are not dominated; the line is dashed after a
 /// kernel that is sometimes wrong.
-plot::ScatterPlotSpec trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set_index);
+plot::ScatterPlotSpec make_trade_plot(const TradeRequest& request, const TradeResult& result, std::size_t set_index);
 
 }  // namespace lostbits::output::trade

@@ -57,7 +57,7 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
                                 const std::vector<const Metric*>& metrics, std::uint64_t first, Found& found) {
     scene::rays::RayBlock block;
     for (const RayGroup& one : rays) block.push(one.rays[0]);
-    scene::test::Columns columns = test::ray_columns(block);
+    scene::test::Columns columns = test::make_ray_columns(block);
     const Shape shape = rays.front().primitives.front().shape;
     for (std::size_t k = 0; k < row_of(shape).number_count; ++k) {
         std::vector<double> column;

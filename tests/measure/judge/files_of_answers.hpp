@@ -17,7 +17,7 @@ inline const std::vector<const measure::metric::Metric*> all_metrics{
     measure::metric::find_metric("residual"),       measure::metric::find_metric("herbie_bits"),
     measure::metric::find_metric("excess_bits"),    measure::metric::find_metric("input_error")};
 
-inline scene::test::Columns ray_columns(const scene::rays::RayBlock& rays) {
+inline scene::test::Columns make_ray_columns(const scene::rays::RayBlock& rays) {
     scene::test::Columns columns;
     const char* const names[] = {"ox", "oy", "oz", "dx", "dy", "dz"};
     const std::vector<double>* const from[] = {&rays.ox, &rays.oy, &rays.oz, &rays.dx, &rays.dy, &rays.dz};

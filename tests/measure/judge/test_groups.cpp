@@ -8,7 +8,7 @@ using namespace lostbits;
 using namespace lostbits::measure;
 using judge::JudgeRequest, judge::JudgeResult;
 using scene::test::Columns;
-using test::add_answers, test::all_metrics, test::ray_columns, test::require_same;
+using test::add_answers, test::all_metrics, test::make_ray_columns, test::require_same;
 
 TEST_CASE("the summary of a group is that of its rays alone") {
     const evaluate::TestedForm row = test::row("sphere.press", "f32");
@@ -35,7 +35,7 @@ TEST_CASE("the summary of a group is that of its rays alone") {
             of_some.hit.push_back(answers.hit[i]);
             own.push_back(kinds[i]);
         }
-        Columns columns = ray_columns(some);
+        Columns columns = make_ray_columns(some);
         add_answers(columns, of_some);
         columns.add("kind", own);
         const scene::test::ScratchRayFile file("kinds.bin", scene::test::as_bytes<float>(columns));

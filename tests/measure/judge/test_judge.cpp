@@ -23,7 +23,7 @@ using namespace lostbits;
 using namespace lostbits::measure;
 using judge::JudgeRequest, judge::JudgeResult;
 using scene::test::Columns, test::Seeded;
-using test::add_answers, test::all_metrics, test::ray_columns, test::require_same;
+using test::add_answers, test::all_metrics, test::make_ray_columns, test::require_same;
 
 namespace {
 
@@ -42,7 +42,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
         const truth::Band band(scene::rays::RayGroup{rays, primitives, march});
         const auto answers = answer::evaluate(
             *row.form, band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit}));
-        Columns columns = ray_columns(rays);
+        Columns columns = make_ray_columns(rays);
         add_answers(columns, answers);
         columns.add("object", {answers.object.begin(), answers.object.end()});
         const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<double>(columns));
@@ -107,7 +107,7 @@ scene::rays::RayGroup random_pairs(Shape shape, int count, std::uint64_t seed) {
 
 /// Rays and the spheres that they are aimed at.
 Columns columns_of_pairs(const scene::rays::RayGroup& group) {
-    Columns columns = ray_columns(group.rays);
+    Columns columns = make_ray_columns(group.rays);
     const char* const names[] = {"cx", "cy", "cz", "radius"};
     for (std::size_t k = 0; k < 4; ++k) {
         std::vector<double> column;

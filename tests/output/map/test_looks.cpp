@@ -130,7 +130,7 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
         auto& rows = result.summaries.emplace_back();
         for (std::size_t k = 0; k < kernels.size(); ++k) rows.emplace_back(metrics);
     }
-    const auto spec = trade::trade_plot(request, result, 0);
+    const auto spec = trade::make_trade_plot(request, result, 0);
     std::set<std::tuple<int, std::size_t, bool, bool>> seen;
     for (const auto& key : spec.keys) {
         CAPTURE(key.label);
@@ -140,7 +140,7 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
     CHECK(spec.x.has_decimal_ticks);
     REQUIRE(sets.size() > 1);
     for (std::size_t s = 0; s < sets.size(); ++s) {
-        const auto of_set = trade::trade_plot(request, result, s);
+        const auto of_set = trade::make_trade_plot(request, result, s);
         const std::string& said = of_set.subtitle.front();
         INFO(said);
         CHECK(said.find("of the set " + std::string(sets[s].name) + ".") != std::string::npos);

@@ -36,7 +36,7 @@ MatrixPlotSpec matrix() {
 }
 
 PngImage plotted(const Scratch& folder, const MatrixPlotSpec& spec) {
-    save_figure(folder / "m.png", matrix_plot(spec));
+    save_figure(folder / "m.png", draw_matrix_plot(spec));
     return backend().read_png(folder / "m.png");
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("a matrix plot shows every cell in its place, with groups apart", "[ma
         }
     }
     CHECK(rim_is_blank(image));
-    save_figure(folder / "again.png", matrix_plot(matrix()));
+    save_figure(folder / "again.png", draw_matrix_plot(matrix()));
     CHECK(contents(folder / "m.png") == contents(folder / "again.png"));
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("a matrix plot with missing or extra cells is refused", "[matrix_plot]
     CHECK_THROWS_AS(plotted(folder, MatrixPlotSpec{}), std::invalid_argument);
     CHECK(folder.entries() == 0);
     plotted(folder, matrix());
-    CHECK_THROWS_AS(save_figure(folder / "m.png/below.png", matrix_plot(matrix())), lostbits::EnvironmentError);
+    CHECK_THROWS_AS(save_figure(folder / "m.png/below.png", draw_matrix_plot(matrix())), lostbits::EnvironmentError);
 }
 
 namespace {
@@ -149,7 +149,7 @@ PlanePlotSpec plane(int columns, int rows) {
 }
 
 image::PngImage plotted(const Scratch& folder, const PlanePlotSpec& spec) {
-    save_figure(folder / "p.png", plane_plot(spec));
+    save_figure(folder / "p.png", draw_plane_plot(spec));
     return backend().read_png(folder / "p.png");
 }
 
@@ -170,7 +170,7 @@ TEST_CASE("a plane plot shows every cell, equal steps as equal rectangles, with 
     CHECK(place({0, 29, 77}) < place({0, 0, 77}));
     CHECK(place({0, 29, 77}) + 39 * 14 == place({39, 29, 77}));
     CHECK(rim_is_blank(image));
-    save_figure(folder / "again.png", plane_plot(plane(40, 30)));
+    save_figure(folder / "again.png", draw_plane_plot(plane(40, 30)));
     CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
 }
 

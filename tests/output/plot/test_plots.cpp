@@ -83,7 +83,7 @@ LinePlotSpec spec_of(std::vector<Series> series) {
 }
 
 image::PngImage plotted(const Scratch& folder, const LinePlotSpec& spec) {
-    save_figure(folder / "p.png", line_plot(spec));
+    save_figure(folder / "p.png", draw_line_plot(spec));
     return backend().read_png(folder / "p.png");
 }
 
@@ -251,7 +251,7 @@ TEST_CASE("a line plot never cuts anything off, and its bytes are reproducible",
         CHECK(rim_is_blank(image));
         CHECK(image.width == spec.width);
         CHECK(image.height >= spec.height);
-        save_figure(folder / "again.png", line_plot(spec));
+        save_figure(folder / "again.png", draw_line_plot(spec));
         CHECK(contents(folder / "p.png") == contents(folder / "again.png"));
     }
     CHECK(plotted(folder, spec_of({level("a", 3)})).height == 620);

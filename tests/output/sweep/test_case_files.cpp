@@ -153,7 +153,7 @@ TEST_CASE("cases.csv and matrix.png show the result of each form for each case")
     CHECK_FALSE(flat(4));
 
     output::image::save_figure(folder / "alone.png",
-                               output::sweep::case_matrix(request, measure::sweep::run_cases(request)));
+                               output::sweep::draw_case_matrix(request, measure::sweep::run_cases(request)));
     CHECK(contents(folder / "alone.png") == contents(folder / "matrix.png"));
 }
 

@@ -92,7 +92,8 @@ TEST_CASE("a plot of one false miss in a thousand rays differs from that of none
     MadePlots made;
     const image::Rgb8 line = plot::look_colour(plot::form_look(*made.request.tested_forms[0].form));
     const auto drawn = [&](Outcome o) {
-        output::image::save_figure(folder / "w.png", output::sweep::outcome_plot(made.measured(), made.format(), o));
+        output::image::save_figure(folder / "w.png",
+                                   output::sweep::draw_outcome_plot(made.measured(), made.format(), o));
         return find(backend().read_png(folder / "w.png"), line);
     };
     static_cast<void>(backend());
@@ -132,7 +133,7 @@ TEST_CASE("an envelope is drawn for a form that returns t, and not for one that 
         }
         static_cast<void>(backend());
         output::image::save_figure(folder / "l.png",
-                                   output::sweep::lost_bits_plot(made.measured(), made.format(), 0.99));
+                                   output::sweep::draw_lost_bits_plot(made.measured(), made.format(), 0.99));
         const auto image = backend().read_png(folder / "l.png");
         CAPTURE(tells);
         CHECK((find(image, plot::envelope_fill).pixels > 1000) == tells);
