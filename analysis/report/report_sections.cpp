@@ -133,7 +133,7 @@ void add_line(SweepSection& section, const measure::sweep::SweepRequest& request
     const auto onsets = measure::sweep::find_onsets(request, steps);
     section.axes = {request.sweep.axes.front().values};
     section.json = output::report::sweep_json(request, steps, onsets);
-    section.table = output::report::make_onset_table(request, onsets);
+    section.table = output::report::onset_table(request, onsets);
 
     const output::sweep::MeasuredSweep measured{request, steps, onsets};
     section.charts = line_charts(measured);
@@ -202,7 +202,7 @@ output::report::MapSection measure_map_section(PlannedMap& planned, measure::met
             .tested_form_names = names_of_tested_forms(planned.tested_forms),
             .index = std::move(index),
             .named_data = data.named_data(summaries),
-            .table = output::report::make_summary_table(request, summaries),
+            .table = output::report::summary_table(request, summaries),
             .sheet = std::move(contact_sheet),
             .has_scene_size = planned.has_own_size,
             .metrics = std::move(names),

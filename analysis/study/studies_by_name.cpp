@@ -168,7 +168,7 @@ std::optional<StudySection> measure_offset_section(const scene::file::Scene& sce
             section.purpose.clear();  // the overview says it
             section.source = scene.source;
             section.sentences = output::offset::summary_lines(study, 0, summaries.front());
-            section.table = output::report::make_offset_table(study, summaries);
+            section.table = output::report::offset_table(study, summaries);
             auto table = OffsetsAdapter::Presentation::make_summary_table();
             for (const auto& row : OffsetsAdapter::Presentation::make_summary_rows(study, summaries))
                 section.wrong_fractions[static_cast<std::size_t>(row.side)].push_back(

@@ -114,7 +114,7 @@ std::string affordable(const Command& command, std::set<std::string_view>& used)
     if (const auto comment = text.find(" #"); comment != std::string::npos) text.erase(comment);
     text.erase(text.find_last_not_of(' ') + 1);
     const std::string padded = text + "  ";  // so that a start can say where the command ends
-    for (const Cheaper& c : cheaper) {
+    for (const CheaperTest& c : cheaper) {
         const std::string_view option = c.adds.substr(0, c.adds.find(' ', 1));
         if (!padded.starts_with(c.start) || text.find(option) != std::string::npos || shows_counts(command)) continue;
         used.insert(c.start);
@@ -268,7 +268,7 @@ TEST_CASE("docs: documents have commands and output, and every way of shortening
     CHECK(commands > 50);
     CHECK(shown > 5);
     CHECK(found.size() == slow_commands.size());
-    for (const Cheaper& c : cheaper) {
+    for (const CheaperTest& c : cheaper) {
         INFO(c.start);
         CHECK(used.contains(c.start));
     }

@@ -126,27 +126,27 @@ TEST_CASE("reports: explain names the cause, and the repaired function is right"
         CAPTURE(case_.named);
         if (!can_compile(case_.named)) continue;
         const std::string text = explained(case_.named, case_.ray);
-        for (const std::string& part : case_.says) CHECK(Has(text, part));
-        CHECK(Has(explained(case_.repaired, case_.ray), case_.repaired_says));
+        for (const std::string& part : case_.says) CHECK(HasText(text, part));
+        CHECK(HasText(explained(case_.repaired, case_.ray), case_.repaired_says));
     }
 }
 
 TEST_CASE("reports: plugin check names what a function assumes", "[external]") {
-    CHECK(Has(checked(".cpp:tinybvh::triangle"), "it seems to compare with a fixed number, an epsilon"));
-    CHECK(Has(checked(".cpp:tinybvh::triangle_repaired"), "keeps its contract"));
-    CHECK(Has(checked(".cpp:mitsuba::sphere_of_2023"),
-              "BROKEN inside       a ray from inside that starts exactly beside the centre"));
-    CHECK(Has(checked(".cpp:mitsuba::sphere_repaired"), "keeps its contract"));
-    CHECK(Has(checked(".cpp:wicked::sphere"), "BROKEN inside"));
-    CHECK_FALSE(Has(checked(".cpp:wicked::sphere_repaired"), "BROKEN inside"));
-    CHECK(Has(checked(".cpp:glm::plane"), "BROKEN within       a ray in its plane hits"));
-    CHECK(Has(checked(".cpp:glm::plane_repaired"), "kept   within"));
+    CHECK(HasText(checked(".cpp:tinybvh::triangle"), "it seems to compare with a fixed number, an epsilon"));
+    CHECK(HasText(checked(".cpp:tinybvh::triangle_repaired"), "keeps its contract"));
+    CHECK(HasText(checked(".cpp:mitsuba::sphere_of_2023"),
+                  "BROKEN inside       a ray from inside that starts exactly beside the centre"));
+    CHECK(HasText(checked(".cpp:mitsuba::sphere_repaired"), "keeps its contract"));
+    CHECK(HasText(checked(".cpp:wicked::sphere"), "BROKEN inside"));
+    CHECK_FALSE(HasText(checked(".cpp:wicked::sphere_repaired"), "BROKEN inside"));
+    CHECK(HasText(checked(".cpp:glm::plane"), "BROKEN within       a ray in its plane hits"));
+    CHECK(HasText(checked(".cpp:glm::plane_repaired"), "kept   within"));
     if (!is_installed("rustc")) return;
-    CHECK(Has(checked(".rs:sphere"), "the formula may assume length 1; if so, say LB_UNIT"));
-    CHECK(Has(checked(".rs:sphere_repaired"), "kept   direction"));
+    CHECK(HasText(checked(".rs:sphere"), "the formula may assume length 1; if so, say LB_UNIT"));
+    CHECK(HasText(checked(".rs:sphere_repaired"), "kept   direction"));
     // The change that the reporter asks for makes t a distance. The crate multiplies it by the direction, so the point
     // stays wrong: with the ray above, z = -10 + 2 * 8 = 6 in place of -2.
-    CHECK(Has(checked(".rs:sphere_asked"), "t is a distance: a direction twice as long changes nothing"));
+    CHECK(HasText(checked(".rs:sphere_asked"), "t is a distance: a direction twice as long changes nothing"));
 }
 
 TEST_CASE("reports: a ray between two triangles is lost by fused operations, not by rounding", "[external]") {
@@ -159,11 +159,11 @@ TEST_CASE("reports: a ray between two triangles is lost by fused operations, not
                "float u = dot(tvec, pvec) * invDet;"},
           Case{"--triangle=-5,-5,0,5,5,0,-5,5,0", "The culprit is d.y·qvec.y", "float v = dot(dir, qvec) * invDet;"}}) {
         CAPTURE(triangle);
-        CHECK(Has(explained(".glsl:triangle", triangle + ray), "Less than one bit is lost."));
+        CHECK(HasText(explained(".glsl:triangle", triangle + ray), "Less than one bit is lost."));
         const std::string fused = explained(".glsl:triangle", triangle + ray, "+fma");
-        CHECK(Has(fused, "reports a miss, but the ray hits at 11.08"));
-        CHECK(Has(fused, culprit));
-        CHECK(Has(fused, line));
+        CHECK(HasText(fused, "reports a miss, but the ray hits at 11.08"));
+        CHECK(HasText(fused, culprit));
+        CHECK(HasText(fused, line));
     }
 }
 

@@ -75,7 +75,19 @@ bool holds_root(const B& got, double a) {
 
 bool holds_decision(const BoundedMask& mask, bool exact) { return !mask.is_proved() || mask.value() == exact; }
 
-enum Asked { sum, difference, product, quotient, least_of, greatest_of, signed_as, chosen, below, at_most, count };
+enum ObjectProblem {
+    sum,
+    difference,
+    product,
+    quotient,
+    least_of,
+    greatest_of,
+    signed_as,
+    chosen,
+    below,
+    at_most,
+    count
+};
 constexpr std::array<const char*, count> asked_names{"a + b", "a - b",    "a * b",  "a / b", "min",
                                                      "max",   "copysign", "select", "a < b", "a <= b"};
 

@@ -18,7 +18,7 @@ std::vector<LegendEntry> Look::legend(const CategoryCounts& counts, std::uint64_
     return entries;
 }
 
-std::vector<LegendEntry> Look::make_widest_legend(std::uint64_t pixels) const {
+std::vector<LegendEntry> Look::widest_legend(std::uint64_t pixels) const {
     if (make_legend) return make_legend(nullptr, pixels);
     std::vector<LegendEntry> entries;
     for (const Category& category : categories) {

@@ -53,7 +53,7 @@ struct Look {
     /// Legend of the categories that have a pixel, with their counts and their fractions of all pixels.
     [[nodiscard]] std::vector<image::LegendEntry> legend(const CategoryCounts& counts, std::uint64_t pixels) const;
     /// Legend of all categories, with the widest count that a picture of this number of pixels can have.
-    [[nodiscard]] std::vector<image::LegendEntry> make_widest_legend(std::uint64_t pixels) const;
+    [[nodiscard]] std::vector<image::LegendEntry> widest_legend(std::uint64_t pixels) const;
 };
 
 /// The viridis scale from `low` to `high`, logarithmic.

@@ -147,7 +147,7 @@ std::string mend_table(const repair::RepairSummary& result) {
     std::string text = begin_table(names);
 
     const auto add_cell = [&text](double value) { text += fmt::format("<td class=\"n\">{}</td>", number_html(value)); };
-    for (const repair::FormRow& row : form_rows(result)) {
+    for (const repair::FormRow& row : make_form_rows(result)) {
         if (!row.is_shown) continue;
         const bool is_best = best && best->quality == row.quality;
         const bool is_known = row.rounding_operation_count > 0;

@@ -16,7 +16,7 @@
 
 namespace lostbits::test::test_start {
 
-using exact::Asked;
+using exact::ObjectProblem;
 using exact::Vector;
 using exact::Whole;
 
@@ -41,7 +41,7 @@ bool is_in_ball(const Vector<Whole>& o, const Vector<Whole>& centre, const Whole
 
 /// Decides whether the closed primitive contains the origin, from the definition of each shape; flat shapes have no
 /// inside.
-bool holds(const std::string& shape, const Asked<Whole>& q) {
+bool holds(const std::string& shape, const ObjectProblem<Whole>& q) {
     const Vector<Whole>& o = q.o;
     const auto& n = q.n;
     if (shape == "sphere") return is_in_ball(o, q.point(0), n[3]);
@@ -136,7 +136,7 @@ struct Tally {
     void take(const Ray<double>& ray, const Primitive<double>& primitive) {
         const std::string shape(row_of(primitive.shape).name);
         const bool may = measure::culling::may_start_inside(ray, primitive);
-        const bool in = has_inside(shape) && holds(shape, Asked<Whole>(problem_of(ray, primitive)));
+        const bool in = has_inside(shape) && holds(shape, ObjectProblem<Whole>(problem_of(ray, primitive)));
         held += in, denied += in && !may, outside += !in, undecided += !in && may;
     }
 };
