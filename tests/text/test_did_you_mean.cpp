@@ -30,7 +30,7 @@ TEST_CASE("a suggestion is a name that a typing slip explains") {
     CHECK_FALSE(closest("box.slab", forms));
     CHECK(closest("F32", {"f16", "f32"}) == "f32");
     CHECK_FALSE(closest("eye", {"fov_deg"}));
-    CHECK_FALSE(closest("o", {"c"}));  // one letter is no misspelling of another
+    CHECK_FALSE(closest("o", {"c"}));            // one letter is no misspelling of another
     CHECK(closest("ab", {"aa", "bb"}) == "aa");  // the first of equals
     CHECK(closest("press", forms) == "sphere.press");
     CHECK(closest("pres", forms) == "sphere.press");  // a slip in the last part

@@ -99,7 +99,8 @@ void require_valid_facing(Facing facing, Shape shape, const std::string& message
 }
 
 Contract read_form_contract(const lb_form& form, const std::string& library) {
-    if (form.name == nullptr) throw InputError(library + ": the name of a form is NULL; set `name`, such as \"sphere.mine\"");
+    if (form.name == nullptr)
+        throw InputError(library + ": the name of a form is NULL; set `name`, such as \"sphere.mine\"");
     const std::string message_prefix = library + ": form \"" + form.name + "\"";
 
     Contract c{.name = form.name, .title = text_of(form.title), .source = text_of(form.source)};

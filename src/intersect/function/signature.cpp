@@ -148,18 +148,18 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
             return *named;
 
     // The only shape with so many vectors and numbers beside the origin and the direction.
-    std::size_t vector_count = 0, numbers = 0;
+    std::size_t vector_count = 0, number_count = 0;
     bool has_fourth = false;
     for (const Part& part : parts) {
         has_fourth = has_fourth || part.has_fourth;
         if (part.is_out || part.slot.is_integer || is_tmin(part) || is_tmax(part) ||
             is_inverse_direction_name(part.last_name))
             continue;
-        ++(part.is_vector ? vector_count : numbers);
+        ++(part.is_vector ? vector_count : number_count);
     }
-    if (vector_count == 3 && (numbers == 1 || (numbers == 0 && has_fourth))) return Shape::sphere;
-    if (vector_count == 4 && numbers == 0) return Shape::box;
-    if (vector_count == 5 && numbers == 0) return Shape::triangle;
+    if (vector_count == 3 && (number_count == 1 || (number_count == 0 && has_fourth))) return Shape::sphere;
+    if (vector_count == 4 && number_count == 0) return Shape::box;
+    if (vector_count == 5 && number_count == 0) return Shape::triangle;
     throw InputError(message_prefix +
                      ": cannot tell from its name and its arguments which primitive it intersects; add a comment such "
                      "as // lostbits: sphere(o, d, c, r)");
@@ -209,8 +209,7 @@ private:
         for (Part& part : parts_) {
             if (part.is_out || part.slot.is_integer) continue;
             const bool in_ray = is_in_ray(part);
-            const bool is_whole_argument =
-                part.path.find('.') == std::string::npos && part.path.find('[') == std::string::npos;
+            const bool is_whole_argument = part.path.find_first_of(".[") == std::string::npos;
             if (part.is_vector && (in_ray || is_whole_argument)) {
                 if (is_inverse_direction_name(part.last_name)) set_role(part, "1/d");
                 else if (in_ray && !is_whole_argument && is_origin_name(part.last_name)) set_role(part, "o");
@@ -219,10 +218,8 @@ private:
                     if (is_origin_name(part.last_name)) set_role(part, "o");
                     else if (is_direction_name(part.last_name)) set_role(part, "d");
                 }
-            } else if (is_tmin(part)) {
-                set_role(part, "tmin");
-            } else if (is_tmax(part)) {
-                set_role(part, "tmax");
+            } else if (is_tmin(part) || is_tmax(part)) {
+                set_role(part, is_tmin(part) ? "tmin" : "tmax");
             }
         }
     }

@@ -91,8 +91,8 @@ AdoptedDescendants& adopted_descendants() {
     return *instance;
 }
 
-/// Starts a program in a process group of its own, so that its descendants can be ended with it. A write to a pipe without
-/// a reader ends the process, as usual. Returns the error of posix_spawnp.
+/// Starts a program in a process group of its own, so that its descendants can be ended with it. A write to a pipe
+/// without a reader ends the process, as usual. Returns the error of posix_spawnp.
 int spawn_in_own_group(ProgramArguments& program, const posix_spawn_file_actions_t& files, int& process) {
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);

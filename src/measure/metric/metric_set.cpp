@@ -65,10 +65,10 @@ constexpr Metric labelled_metrics[] = {
     table_row({"cancellation:", "bits", "cancellation."},
               "bits that the operation of that name cancels in operands that were already wrong", cancellation,
               {.needs = needs_attribution}),
-    table_row(
-        {"step:", "ulp", "space."},
-        "part of the error of t that is assigned to that step to object space or back, for a primitive with a transform",
-        step_error, {.needs = needs_steps, .ramp = Ramp::magnitude, .low = 0x1p-4})};
+    table_row({"step:", "ulp", "space."},
+              "part of the error of t that is assigned to that step to object space or back, for a primitive with a "
+              "transform",
+              step_error, {.needs = needs_steps, .ramp = Ramp::magnitude, .low = 0x1p-4})};
 
 bool has_operation_label(const Metric& metric) { return !metric.label.empty() && metric.needs != needs_nothing; }
 

@@ -176,15 +176,15 @@ constexpr Metric table[] = {
          .ramp = Ramp::categories,
          .domain = MetricDomain::every,
          .categories = intersect::arithmetic_names}),
-    table_row(
-        {"worst_step", "", "space.step"},
-        "for a primitive with a transform: the step to object space or back to which most of the error of t is assigned, "
-        "or the first one that changes the decision; each step in turn is rounded, with the steps after it exact",
-        worst_step,
-        {.needs = needs_steps,
-         .ramp = Ramp::categories,
-         .domain = MetricDomain::every,
-         .categories = answer::step_categories}),
+    table_row({"worst_step", "", "space.step"},
+              "for a primitive with a transform: the step to object space or back to which most of the error of t is "
+              "assigned, "
+              "or the first one that changes the decision; each step in turn is rounded, with the steps after it exact",
+              worst_step,
+              {.needs = needs_steps,
+               .ramp = Ramp::categories,
+               .domain = MetricDomain::every,
+               .categories = answer::step_categories}),
     table_row(
         {"lost_to", "", "hierarchy.lost_to"},
         "for a form behind boxes (FORM^BOX), on rays that truly hit: the stage that loses the hit: the box in the "

@@ -37,7 +37,8 @@ public:
 /// It is opened before the work starts, so that a run of an hour does not fail at its end on a folder that cannot be
 /// written. Bytes go to a temporary file `.<name>.partial-<random>` in the same folder, which is locked until `commit`
 /// has renamed it. Without `commit` the destructor removes it, and `remove_partial_files` removes it from a signal
-/// handler. A killed process leaves a temporary file without a lock, which is removed when the same file is written again.
+/// handler. A killed process leaves a temporary file without a lock, which is removed when the same file is written
+/// again.
 ///
 /// A device or a pipe (`/dev/stdout`, `/dev/full`) is written directly, since a rename would replace the device itself.
 /// If the path is a symbolic link, the link stays and its target is replaced.
