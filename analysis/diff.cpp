@@ -116,7 +116,8 @@ struct DiffOptions {
 
 std::set<std::string> compared_columns(const std::vector<FileResult>& results) {
     std::set<std::string> names;
-    for (const FileResult& r : results) names.insert(r.comparison.names.begin(), r.comparison.names.end());
+    for (const FileResult& result : results)
+        names.insert(result.comparison.names.begin(), result.comparison.names.end());
     return names;
 }
 
@@ -133,8 +134,8 @@ ExitStatus run_strictly(const DiffOptions& options, const CompareOptions& compar
     const bool is_same = std::ranges::all_of(results, &FileResult::is_same);
     const bool compares_files = fs::is_regular_file(options.a) && fs::is_regular_file(options.b);
     if (compares_files) print_option_differences(option_differences(folder_of(options.a), folder_of(options.b)));
-    for (const FileResult& r : results) {
-        if (!r.is_same() || common.verbose) diff::print(r, common.verbose);
+    for (const FileResult& result : results) {
+        if (!result.is_same() || common.verbose) diff::print(result, common.verbose);
     }
     if (is_same && !common.quiet) fmt::print("same\n");
 

@@ -149,10 +149,10 @@ Listing strategies(const CommonOptions& /*common*/) {
     std::vector<std::string> columns{"name", "title"};
     for (const ShapeRow& shape : shape_rows) columns.push_back("operations_" + std::string(shape.name));
     columns.emplace_back("source");
-    return make_listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& s) {
-        Row row{std::string(s.name), std::string(s.title)};
-        for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(s.operations(shape.shape)));
-        row.emplace_back(s.source);
+    return make_listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& strategy) {
+        Row row{std::string(strategy.name), std::string(strategy.title)};
+        for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(strategy.operations(shape.shape)));
+        row.emplace_back(strategy.source);
         return row;
     });
 }

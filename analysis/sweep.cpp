@@ -242,8 +242,8 @@ std::vector<PlannedSweepFile> plan_sweeps(const SweepOptions& options, const std
 void drop_untestable(std::vector<PlannedSweepFile>& sweeps, SweepSelection& chosen) {
     const auto handling_forms = selection::drop_unhandled(
         sweeps, {chosen.tested_forms, chosen.options.forms, chosen.common.quiet},
-        [](const PlannedSweepFile& s, Shapes forms) { return s.can_test(forms); },
-        [](const PlannedSweepFile& s) { return s.path.stem().string(); });
+        [](const PlannedSweepFile& planned, Shapes forms) { return planned.can_test(forms); },
+        [](const PlannedSweepFile& planned) { return planned.path.stem().string(); });
     selection::note_unmeasured(chosen.options.forms, handling_forms, chosen.common.quiet);
 }
 

@@ -169,12 +169,13 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
                    fmt::join(difference.rows.reference_columns, ", "));
     print_lines("columns:", difference.rows.columns, verbose);
 
-    for (const FileResult& r : difference.other_files) {
-        if (verbose || !r.only_folder.empty()) {
-            if (verbose || !r.is_same()) diff::print(r, verbose);
-        } else if (!r.is_same()) {
-            fmt::print("{}: {}; -v shows {}\n", output::file::terminal_line(r.file),
-                       count_with_noun(r.comparison.count, "difference"), r.comparison.count == 1 ? "it" : "them");
+    for (const FileResult& result : difference.other_files) {
+        if (verbose || !result.only_folder.empty()) {
+            if (verbose || !result.is_same()) diff::print(result, verbose);
+        } else if (!result.is_same()) {
+            fmt::print("{}: {}; -v shows {}\n", output::file::terminal_line(result.file),
+                       count_with_noun(result.comparison.count, "difference"),
+                       result.comparison.count == 1 ? "it" : "them");
         }
     }
     print_verdict(difference.rows.verdict, b);

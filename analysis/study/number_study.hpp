@@ -155,11 +155,12 @@ struct NumberAdapter {
         output::table::Table<NumberRow> table;
         table.add(output::table::make_subject_columns(), &NumberRow::tested_form);
         table.add({"hits", "pixels with a number: the form hits the primitive that the ray truly hits first",
-                   [](const NumberRow& r) { return r.summary->numbers.count(); }});
+                   [](const NumberRow& row) { return row.summary->numbers.count(); }});
         for (const auto& [end, q] : {std::pair{"p50", 0.5}, std::pair{"p99", 0.99}, std::pair{"max", 1.0}})
-            table.add(
-                {fmt::format("{}_{}", name, end), Quantity::unit, fmt::format("{}: {}", Quantity::meaning, end),
-                 [q](const NumberRow& r) { return output::file::number_or_missing(r.summary->numbers.quantile(q)); }});
+            table.add({fmt::format("{}_{}", name, end), Quantity::unit, fmt::format("{}: {}", Quantity::meaning, end),
+                       [q](const NumberRow& row) {
+                           return output::file::number_or_missing(row.summary->numbers.quantile(q));
+                       }});
         return table;
     }
     static std::vector<NumberRow> make_summary_rows(const Study& study, const Summaries& summaries) {

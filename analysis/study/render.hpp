@@ -96,8 +96,8 @@ struct RenderAdapter {
     static std::uint64_t unproved_count(const Summaries& summaries) {
         std::uint64_t max_unproved = 0;
         for (const Study::Summary& row : summaries)
-            for (const measure::render::RenderSummary& s : row)
-                max_unproved = std::max(max_unproved, s.unresolved_count());
+            for (const measure::render::RenderSummary& summary : row)
+                max_unproved = std::max(max_unproved, summary.unresolved_count());
         return max_unproved;
     }
 
@@ -115,11 +115,12 @@ private:
                    "wrong colour", "wrong sphere", "acne", "flips", "p99 steps", "unproved");
         for (std::size_t r = 0; r < summaries.size(); ++r) {
             const measure::evaluate::TestedForm& tested_form = study.tested_forms[r];
-            for (const measure::render::RenderSummary& s : summaries[r])
-                fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(s.stage),
-                           tested_form.form->info->name, tested_form.format.name, s.changed_pixels, s.wrong_pixels(),
-                           s.count(measure::render::Receiver::sphere, measure::render::Shadow::own_shadow),
-                           s.flipped_shadows(), s.colour_error.quantile(0.99), s.unresolved_count());
+            for (const measure::render::RenderSummary& summary : summaries[r])
+                fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(summary.stage),
+                           tested_form.form->info->name, tested_form.format.name, summary.changed_pixels,
+                           summary.wrong_pixels(),
+                           summary.count(measure::render::Receiver::sphere, measure::render::Shadow::own_shadow),
+                           summary.flipped_shadows(), summary.colour_error.quantile(0.99), summary.unresolved_count());
         }
     }
 };

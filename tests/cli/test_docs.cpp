@@ -176,7 +176,8 @@ bool is(const SlowCommand& slow, const Command& command) {
 }
 
 bool is_slow(const Command& command) {
-    return std::ranges::any_of(slow_commands, [&](const SlowCommand& d) { return is(d, command); });
+    return std::ranges::any_of(slow_commands,
+                               [&](const SlowCommand& slow_command) { return is(slow_command, command); });
 }
 
 /// Checks a command that is not run: each of its options belongs to the command or to the program.
@@ -259,8 +260,8 @@ TEST_CASE("docs: documents have commands and output, and every way of shortening
     for (const std::string& page : pages()) {
         for (const Command& command : commands_of(page)) {
             (void)affordable(command, used);
-            for (const SlowCommand& d : slow_commands)
-                if (is(d, command)) found.insert(d.start);
+            for (const SlowCommand& slow_command : slow_commands)
+                if (is(slow_command, command)) found.insert(slow_command.start);
             ++commands;
             shown += command.shown.size();
         }

@@ -53,8 +53,9 @@ std::set<std::string> measured_ids() {
     for (const auto& file : lostbits::scene::check::claim_files(LOSTBITS_DATA_DIR "/claims")) {
         for (const Claim& claim : lostbits::scene::check::read_claims(file)) {
             if (claim.profile != Claim::Profile::results) continue;
-            const auto found = std::ranges::find_if(
-                slow_claims, [&](const SlowClaim& d) { return ::fnmatch(d.ids, claim.id.c_str(), 0) == 0; });
+            const auto found = std::ranges::find_if(slow_claims, [&](const SlowClaim& slow_claim) {
+                return ::fnmatch(slow_claim.ids, claim.id.c_str(), 0) == 0;
+            });
             if (found != slow_claims.end()) used.insert(found->ids);
             if (found == slow_claims.end() || is_long()) ids.insert(claim.id);
         }

@@ -156,21 +156,21 @@ bool endless(const Ray<float>& ray, const Box<float>& b) {
 }
 
 // The same problems in the types of public code.
-Answer<float> of_segment(const Segment<float>& s, const Sphere<float>& sphere) {
-    Ray<float> ray{{s.from[0], s.from[1], s.from[2]}, {}, 1};
-    for (int k = 0; k < 3; ++k) ray.direction[k] = s.to[k] - s.from[k];
+Answer<float> of_segment(const Segment<float>& segment, const Sphere<float>& sphere) {
+    Ray<float> ray{{segment.from[0], segment.from[1], segment.from[2]}, {}, 1};
+    for (int k = 0; k < 3; ++k) ray.direction[k] = segment.to[k] - segment.from[k];
     return exit_inside(ray, sphere);
 }
-Points<float> point_of_segment(const Segment<float>& s, const Sphere<float>& sphere) {
-    const Answer<float> share = of_segment(s, sphere);
+Points<float> point_of_segment(const Segment<float>& segment, const Sphere<float>& sphere) {
+    const Answer<float> share = of_segment(segment, sphere);
     if (!share.hit) return miss;
     float point[3];
-    for (int k = 0; k < 3; ++k) point[k] = s.from[k] + share.near * (s.to[k] - s.from[k]);
+    for (int k = 0; k < 3; ++k) point[k] = segment.from[k] + share.near * (segment.to[k] - segment.from[k]);
     return point;
 }
-Thickness<float> thickness_of_segment(const Segment<float>& s, const Sphere<float>& sphere) {
-    Ray<float> ray{{s.from[0], s.from[1], s.from[2]}, {}, 1};
-    for (int k = 0; k < 3; ++k) ray.direction[k] = s.to[k] - s.from[k];
+Thickness<float> thickness_of_segment(const Segment<float>& segment, const Sphere<float>& sphere) {
+    Ray<float> ray{{segment.from[0], segment.from[1], segment.from[2]}, {}, 1};
+    for (int k = 0; k < 3; ++k) ray.direction[k] = segment.to[k] - segment.from[k];
     const Roots r = roots(ray, sphere);
     return r.hit ? Thickness<float>(static_cast<float>(r.near), static_cast<float>(r.far - r.near)) : miss;
 }

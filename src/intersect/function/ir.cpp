@@ -144,16 +144,16 @@ void Cursor::fail(const std::string& problem) const {
 }
 
 const Type* Module::integer_type(int bits) {
-    for (const Type& t : types_)
-        if (t.kind == Type::Kind::integer && t.bits == bits) return &t;
+    for (const Type& type : types_)
+        if (type.kind == Type::Kind::integer && type.bits == bits) return &type;
     std::size_t size = 1;
     while (size * 8 < static_cast<std::size_t>(bits)) size *= 2;
     return add_type({.kind = Type::Kind::integer, .size = size, .align = std::min<std::size_t>(size, 8), .bits = bits});
 }
 
 const Type* Module::number_type(int bits) {
-    for (const Type& t : types_)
-        if (t.kind == Type::Kind::number && t.bits == bits) return &t;
+    for (const Type& type : types_)
+        if (type.kind == Type::Kind::number && type.bits == bits) return &type;
     const auto size = static_cast<std::size_t>(bits) / 8;
     return add_type({.kind = Type::Kind::number, .size = size, .align = size, .bits = bits});
 }

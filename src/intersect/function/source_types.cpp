@@ -193,22 +193,22 @@ SourceType source_number(std::size_t size) {
 }
 
 /// Returns a type of LLVM IR as a type of the source, in which the members of structures have their indices as names.
-SourceType source_type_of(const Type& t) {
-    if (t.kind == Type::Kind::number) return source_number(t.size);
-    SourceType result{.name = {}, .size = t.size};
-    if (t.kind == Type::Kind::integer) result.kind = Kind::integer;
-    if (t.kind == Type::Kind::nothing) result.kind = Kind::nothing;
-    if (t.kind == Type::Kind::sequence) {
+SourceType source_type_of(const Type& type) {
+    if (type.kind == Type::Kind::number) return source_number(type.size);
+    SourceType result{.name = {}, .size = type.size};
+    if (type.kind == Type::Kind::integer) result.kind = Kind::integer;
+    if (type.kind == Type::Kind::nothing) result.kind = Kind::nothing;
+    if (type.kind == Type::Kind::sequence) {
         result.kind = Kind::sequence;
-        result.parts = {source_type_of(*t.parts[0])};
-        result.count = t.count;
+        result.parts = {source_type_of(*type.parts[0])};
+        result.count = type.count;
     }
-    if (t.kind == Type::Kind::structure) {
+    if (type.kind == Type::Kind::structure) {
         result.kind = Kind::structure;
-        for (std::size_t k = 0; k < t.parts.size(); ++k) {
-            result.parts.push_back(source_type_of(*t.parts[k]));
+        for (std::size_t k = 0; k < type.parts.size(); ++k) {
+            result.parts.push_back(source_type_of(*type.parts[k]));
             result.parts.back().member = std::to_string(k);
-            result.parts.back().offset = t.offsets[k];
+            result.parts.back().offset = type.offsets[k];
         }
     }
     return result;

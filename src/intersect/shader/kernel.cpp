@@ -217,9 +217,10 @@ std::string hlsl_prologue() {
         "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n";
     for (std::size_t k = 0; k < head_members.size(); ++k)
         code += "#define " + std::string(head_members[k]) + " lb_head[" + std::to_string(k) + "]\n";
-    const auto buffer = [&code](const ColumnBuffer& c) {
-        code += "[[vk::binding(" + std::to_string(c.binding) + ")]] " + (c.is_written ? "RW" : "") +
-                "StructuredBuffer<" + (c.holds_integers ? "uint" : "float") + "> " + std::string(c.name) + ";\n";
+    const auto buffer = [&code](const ColumnBuffer& buffer) {
+        code += "[[vk::binding(" + std::to_string(buffer.binding) + ")]] " + (buffer.is_written ? "RW" : "") +
+                "StructuredBuffer<" + (buffer.holds_integers ? "uint" : "float") + "> " + std::string(buffer.name) +
+                ";\n";
     };
     buffer({BufferBinding::head, "lb_head", false, true});
     for (const ColumnBuffer& c : column_buffers) buffer(c);
@@ -317,7 +318,8 @@ std::string program_text(const ShaderSource& shader, int bits, int version) {
         text = convert_precision(text, to_doubles);
         declarations = convert_precision(declarations, to_doubles);
         for (std::string& argument : signature.arguments) argument = convert_precision(argument, to_doubles);
-        for (Parameter& p : signature.function.parameters) p.type = convert_precision(p.type, to_doubles);
+        for (Parameter& parameter : signature.function.parameters)
+            parameter.type = convert_precision(parameter.type, to_doubles);
         signature.function.type = convert_precision(signature.function.type, to_doubles);
         signature.is_double = to_doubles;
     }

@@ -103,7 +103,7 @@ std::vector<Token> split_into_tokens(std::string_view text) {
 std::vector<Token> code_tokens(const std::vector<Token>& tokens) {
     std::vector<Token> code;
     std::ranges::copy_if(tokens, std::back_inserter(code),
-                         [](const Token& t) { return t.kind != Token::Kind::comment && !t.in_directive; });
+                         [](const Token& token) { return token.kind != Token::Kind::comment && !token.in_directive; });
     return code;
 }
 
@@ -156,10 +156,10 @@ std::vector<Parameter> parameters_of(const std::vector<Token>& code, std::size_t
 std::string Function::declaration() const {
     constexpr std::array<std::string_view, 3> qualifier_text{"", "out ", "inout "};
     std::string text = type + " " + name + "(";
-    for (const Parameter& p : parameters) {
-        if (&p != &parameters.front()) text += ", ";
-        text += std::string(qualifier_text[static_cast<std::size_t>(p.qualifier)]) + p.type +
-                (p.name.empty() ? "" : " " + p.name);
+    for (const Parameter& parameter : parameters) {
+        if (&parameter != &parameters.front()) text += ", ";
+        text += std::string(qualifier_text[static_cast<std::size_t>(parameter.qualifier)]) + parameter.type +
+                (parameter.name.empty() ? "" : " " + parameter.name);
     }
     return text + ")";
 }

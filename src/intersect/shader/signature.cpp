@@ -98,8 +98,8 @@ public:
 
     std::optional<Signature> read() {
         const auto has_type = [&function = signature_.function](std::initializer_list<std::string_view> types) {
-            return std::ranges::any_of(function.parameters, [types](const Parameter& p) {
-                return std::ranges::find(types, p.type) != types.end();
+            return std::ranges::any_of(function.parameters, [types](const Parameter& parameter) {
+                return std::ranges::find(types, parameter.type) != types.end();
             });
         };
         signature_.is_double = has_type({"dvec3", "dvec4", "double"});
@@ -123,24 +123,26 @@ private:
     [[nodiscard]] std::string scalar_type() const { return signature_.is_double ? "double" : "float"; }
 
     /// Assigns a parameter to a role or a list. Returns false if no intersector takes such a parameter.
-    bool assign_parameter(const Parameter& p, std::size_t k) {
-        if (p.type.find('[') != std::string::npos || p.name.find('[') != std::string::npos) return false;
-        if (p.qualifier != Qualifier::in) {
+    bool assign_parameter(const Parameter& parameter, std::size_t k) {
+        if (parameter.type.find('[') != std::string::npos || parameter.name.find('[') != std::string::npos)
+            return false;
+        if (parameter.qualifier != Qualifier::in) {
             arguments_[k] = "lb_out_" + std::to_string(k);
-            if (p.type == scalar_type()) signature_.outputs.push_back(arguments_[k]);
-            signature_.takes_end = signature_.takes_end || (p.qualifier == Qualifier::inout && p.type == scalar_type());
+            if (parameter.type == scalar_type()) signature_.outputs.push_back(arguments_[k]);
+            signature_.takes_end =
+                signature_.takes_end || (parameter.qualifier == Qualifier::inout && parameter.type == scalar_type());
             return true;
         }
-        if (p.type == type_name("vec3")) vectors_.push_back(k);
-        else if (p.type == type_name("vec4") && !vec4_) vec4_ = k;
-        else if (p.type == scalar_type()) return assign_number(p, k);
+        if (parameter.type == type_name("vec3")) vectors_.push_back(k);
+        else if (parameter.type == type_name("vec4") && !vec4_) vec4_ = k;
+        else if (parameter.type == scalar_type()) return assign_number(parameter, k);
         else return false;
         return true;
     }
 
     /// Assigns a number to the lengths of the primitive, or to the beginning or the end of the ray.
-    bool assign_number(const Parameter& p, std::size_t k) {
-        const std::string name = lower_case(p.name);
+    bool assign_number(const Parameter& parameter, std::size_t k) {
+        const std::string name = lower_case(parameter.name);
         // Keys first: the `minor_radius` of a torus contains "min" and is not a minimum.
         if (std::ranges::any_of(shape_rows,
                                 [&](const ShapeRow& shape_row) { return key_named(shape_row, name, 1) != nullptr; })) {
@@ -166,9 +168,9 @@ private:
     bool choose_shape(std::size_t ray_vector_count) {
         if (vectors_.size() < ray_vector_count || (vec4_ && vectors_.size() > ray_vector_count)) return false;
         const auto is_parameter = [this](const Key& key) {
-            return std::ranges::any_of(signature_.function.parameters, [&key](const Parameter& p) {
-                return is_named(key, lower_case(p.name)) ||
-                       (key.count() == 3 && role_of(p.name) == variable_of(key.name));
+            return std::ranges::any_of(signature_.function.parameters, [&key](const Parameter& parameter) {
+                return is_named(key, lower_case(parameter.name)) ||
+                       (key.count() == 3 && role_of(parameter.name) == variable_of(key.name));
             });
         };
         const std::size_t point_count = vec4_ ? 1 : vectors_.size() - ray_vector_count,

@@ -68,37 +68,38 @@ std::string program_with_token_lines(const std::string& text, device::Language l
     const auto [head, body] = is_hlsl ? std::pair(std::string(), text) : shader::embeddable_text(text);
     std::string program = head;
     lines.tokens.assign(static_cast<std::size_t>(std::ranges::count(head, '\n')), TokenPlace());
-    const auto begin_line = [&](const shader::Token& t) {
+    const auto begin_line = [&](const shader::Token& token) {
         if (!program.empty() && program.back() != '\n') program += '\n';
-        lines.tokens.push_back({std::string(t.text), static_cast<int>(t.line), static_cast<int>(t.column)});
+        lines.tokens.push_back({std::string(token.text), static_cast<int>(token.line), static_cast<int>(token.column)});
     };
 
     const std::vector<shader::Token> tokens = shader::split_into_tokens(body);
     std::size_t end = 0, line = 0, line_directive = 0;
-    for (const shader::Token& t : tokens) {
-        if (t.kind == shader::Token::Kind::comment) continue;
-        if (t.in_directive && t.text == "#" && &t != &tokens.back() && (&t)[1].text == "line") line_directive = t.line;
-        if (t.in_directive && t.line == line_directive) continue;  // lines are counted in the file itself
+    for (const shader::Token& token : tokens) {
+        if (token.kind == shader::Token::Kind::comment) continue;
+        if (token.in_directive && token.text == "#" && &token != &tokens.back() && (&token)[1].text == "line")
+            line_directive = token.line;
+        if (token.in_directive && token.line == line_directive) continue;  // lines are counted in the file itself
 
         // A directive is one line; a backslash at the end of a line joins the next line to it.
-        if (t.in_directive) {
-            if (t.line != line) begin_line(t);
-            else if (t.offset > end) program += ' ';
-            if (t.text != "\\") program += t.text;
-            line = t.text == "\\" ? t.line + 1 : t.line;
-            end = t.offset + t.text.size();
+        if (token.in_directive) {
+            if (token.line != line) begin_line(token);
+            else if (token.offset > end) program += ' ';
+            if (token.text != "\\") program += token.text;
+            line = token.text == "\\" ? token.line + 1 : token.line;
+            end = token.offset + token.text.size();
             continue;
         }
 
         // Signs that form an operator stay together; every other token begins a line.
         line = 0;
         std::string& last_text = lines.tokens.empty() ? program : lines.tokens.back().text;
-        const bool continues_operator =
-            t.kind == shader::Token::Kind::sign && end == t.offset && is_operator(last_text + std::string(t.text));
-        if (continues_operator) last_text += t.text;
-        else begin_line(t);
-        program += t.text;
-        end = t.offset + t.text.size();
+        const bool continues_operator = token.kind == shader::Token::Kind::sign && end == token.offset &&
+                                        is_operator(last_text + std::string(token.text));
+        if (continues_operator) last_text += token.text;
+        else begin_line(token);
+        program += token.text;
+        end = token.offset + token.text.size();
     }
     return program + main_function_of(language);
 }

@@ -240,8 +240,8 @@ BoxSubdivision::BoxSubdivision(const TapeBound& bound, InputBox whole, std::size
 /// exceeds the smallest bound of all boxes.
 std::vector<std::size_t> BoxSubdivision::boxes_to_halve(std::size_t limit) const {
     double smallest_error = HUGE_VAL;
-    for (const SubBox& p : parts_)
-        if (!p.is_halved() && p.bound.error > 0) smallest_error = std::fmin(smallest_error, p.bound.error);
+    for (const SubBox& box : parts_)
+        if (!box.is_halved() && box.bound.error > 0) smallest_error = std::fmin(smallest_error, box.bound.error);
     std::vector<std::pair<double, std::size_t>> candidates;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
         const SubBox& p = parts_[i];
@@ -298,8 +298,8 @@ const SubBox& BoxSubdivision::part_of(std::span<const double> inputs) const {
 
 std::vector<const SubBox*> BoxSubdivision::leaves() const {
     std::vector<const SubBox*> result;
-    for (const SubBox& p : parts_)
-        if (!p.is_halved()) result.push_back(&p);
+    for (const SubBox& box : parts_)
+        if (!box.is_halved()) result.push_back(&box);
     return result;
 }
 

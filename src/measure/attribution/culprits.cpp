@@ -156,8 +156,8 @@ double contribution_of(const Tape& tape, const Attribution& attribution, std::st
 
 int worst_cancellation(const Attribution& attribution) {
     int worst = 0;
-    for (const OperationError& e : attribution.errors) {
-        if (e.is_live && e.operands_have_error) worst = std::max(worst, e.cancelled_bits);
+    for (const OperationError& error : attribution.errors) {
+        if (error.is_live && error.operands_have_error) worst = std::max(worst, error.cancelled_bits);
     }
     return worst;
 }

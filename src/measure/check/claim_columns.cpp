@@ -18,8 +18,8 @@ namespace {
 /// Columns of a summary that hold numbers. A claim about culprits names operations instead (`culprits`).
 std::vector<SummaryColumn> number_columns(const std::vector<const Metric*>& metrics) {
     auto columns = evaluate::summary_columns(metrics);
-    std::erase_if(columns, [](const SummaryColumn& c) {
-        return c.kind == SummaryColumn::Kind::category || c.name == "culprit_fraction";
+    std::erase_if(columns, [](const SummaryColumn& column) {
+        return column.kind == SummaryColumn::Kind::category || column.name == "culprit_fraction";
     });
     std::ranges::sort(columns, {}, &SummaryColumn::name);
     return columns;
@@ -129,7 +129,7 @@ double ClaimColumns::value(const Claim& claim, const FormSummary& summary) const
     const auto columns = number_columns(metrics_);
     if (const SummaryColumn* const column = evaluate::find_column(columns, claim.metric)) return column->value(summary);
     std::vector<std::string> names;
-    for (const SummaryColumn& c : columns) names.push_back(c.name);
+    for (const SummaryColumn& column : columns) names.push_back(column.name);
     add_other_columns(names);
     scene::toml::fail(claim.quantity, "unknown metric \"" + claim.metric + "\"; " +
                                           text::did_you_mean(claim.metric, names) +

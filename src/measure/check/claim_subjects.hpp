@@ -66,7 +66,7 @@ template <class Kind, class Measure>
 void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, const Measure& measure_draw) {
     measure_draw(claims, 0);
     const bool is_any_random =
-        std::ranges::any_of(claims, [](const SubjectClaim<Kind>& c) { return c.result.is_random(); });
+        std::ranges::any_of(claims, [](const SubjectClaim<Kind>& claim) { return claim.result.is_random(); });
     const auto further_draw_count = static_cast<std::size_t>(is_any_random ? run.further_draws : 0);
     std::vector<std::vector<ClaimResult>> draws(further_draw_count, std::vector<ClaimResult>(claims.size()));
     intersect::process::in_parallel(std::size_t{0}, further_draw_count, [&](std::size_t d) {
@@ -107,7 +107,7 @@ inline std::size_t find_or_add_tested_form(std::vector<evaluate::TestedForm>& te
 template <class Kind>
 std::vector<const scene::check::Claim*> claim_pointers(const SubjectClaims<Kind>& claims) {
     std::vector<const scene::check::Claim*> result;
-    for (const SubjectClaim<Kind>& c : claims) result.push_back(&c.claim);
+    for (const SubjectClaim<Kind>& claim : claims) result.push_back(&claim.claim);
     return result;
 }
 

@@ -26,7 +26,7 @@ template <class Work>
 OptionalTasks make_tasks(std::span<const TimedKernel> kernels, std::size_t bytes) {
     Work work(bytes);
     OptionalTasks result;
-    for (const TimedKernel& k : kernels) result.push_back(work.work_for(k));
+    for (const TimedKernel& kernel : kernels) result.push_back(work.work_for(kernel));
     return result;
 }
 

@@ -295,16 +295,18 @@ std::vector<RayFromSurface> rays_from_surface(const Trial& trial) {
 
 /// If a form answers near and far, the table picks the root that counts, whatever the contract says about the origin.
 /// The form only has to answer both roots.
-bool is_right_from_surface(const Trial& trial, const RayFromSurface& r,
+bool is_right_from_surface(const Trial& trial, const RayFromSurface& ray_from_surface,
                            const intersect::external::Contract& other_contract) {
-    if (other_contract.roots == Roots::both) return r.reply.hit == 1 || !trial.truth(r.question, other_contract).hit;
-    return trial.is_right(r.question, r.reply, other_contract);
+    if (other_contract.roots == Roots::both)
+        return ray_from_surface.reply.hit == 1 || !trial.truth(ray_from_surface.question, other_contract).hit;
+    return trial.is_right(ray_from_surface.question, ray_from_surface.reply, other_contract);
 }
 
 bool are_all_right(const Trial& trial, const std::vector<RayFromSurface>& rays,
                    const intersect::external::Contract& other_contract) {
-    return std::ranges::all_of(
-        rays, [&](const RayFromSurface& r) { return is_right_from_surface(trial, r, other_contract); });
+    return std::ranges::all_of(rays, [&](const RayFromSurface& ray_from_surface) {
+        return is_right_from_surface(trial, ray_from_surface, other_contract);
+    });
 }
 
 }  // namespace
@@ -316,7 +318,8 @@ void try_at_origin(Trial& trial) {
     const std::string inward_text = "a ray that starts on the surface and goes in ",
                       outward_text = ", one that goes out ";
 
-    const bool any_hits = std::ranges::any_of(rays, [](const RayFromSurface& r) { return r.reply.hit == 1; });
+    const bool any_hits = std::ranges::any_of(
+        rays, [](const RayFromSurface& ray_from_surface) { return ray_from_surface.reply.hit == 1; });
     // If a form answers only the near root, the table drops a t of 0. A form that answers the first root has to drop a
     // t of 0 itself.
     const bool hits_count = any_hits && trial.contract.roots != Roots::near_only,
@@ -336,13 +339,13 @@ void try_at_origin(Trial& trial) {
         if (is_consistent(other) && are_all_right(trial, rays, other))
             return trial.report_broken(behaviour + "; say " + at_origin_texts[static_cast<std::size_t>(property)]);
     }
-    for (const RayFromSurface& r : rays) {
-        if (is_right_from_surface(trial, r, trial.contract)) continue;
-        const HitOrMiss right = trial.truth(r.question);
-        return trial.report_broken((is_flat_shape ? surface_text
-                                    : r.goes_in   ? inward_text
-                                                  : "a ray that starts on the surface and goes out ") +
-                                   r.text(trial) + "; " +
+    for (const RayFromSurface& ray_from_surface : rays) {
+        if (is_right_from_surface(trial, ray_from_surface, trial.contract)) continue;
+        const HitOrMiss right = trial.truth(ray_from_surface.question);
+        return trial.report_broken((is_flat_shape              ? surface_text
+                                    : ray_from_surface.goes_in ? inward_text
+                                                               : "a ray that starts on the surface and goes out ") +
+                                   ray_from_surface.text(trial) + "; " +
                                    (!right.hit      ? "a miss is right"
                                     : trial.tells_t ? text_of(right.t) + " is right"
                                                     : "it should hit"));

@@ -47,24 +47,26 @@ private:
             }
     }
 
-    void replace(const Combination& c) {
+    void replace(const Combination& combination) {
         for (const bool uses_cross_products : {true, false}) {
-            auto u = uses_cross_products ? by_cross_products(c) : std::optional(plain(c));
-            if (!u) u = by_cross_products({c.y, c.x, c.b, c.a, c.is_difference});  // this is -u
+            auto u = uses_cross_products ? by_cross_products(combination) : std::optional(plain(combination));
+            if (!u)
+                u = by_cross_products({combination.y, combination.x, combination.b, combination.a,
+                                       combination.is_difference});  // this is -u
             if (!u) continue;
             Sum rewritten = sum_;
-            const bool has_replaced = replace_products(c, *u, rewritten);
+            const bool has_replaced = replace_products(combination, *u, rewritten);
             if (has_replaced && !rewritten.empty()) found_.push_back(std::move(rewritten));
         }
     }
 
     /// Replaces the three products of (u·v)(u·w), for any v and w, by that product. Returns true if there were any.
-    bool replace_products(const Combination& c, const Triple& u, Sum& rewritten) {
+    bool replace_products(const Combination& combination, const Triple& u, Sum& rewritten) {
         bool has_replaced = false;
         for (const auto& [product, factor] : sum_) {
             if (!rewritten.contains(product)) continue;
             has_replaced |= std::ranges::any_of(product, [&, &first = product, &x = factor](const auto& dot_power) {
-                return replace_three(c, u, first, x, dot_power, rewritten);
+                return replace_three(combination, u, first, x, dot_power, rewritten);
             });
         }
         return has_replaced;
@@ -72,23 +74,26 @@ private:
     /// Replaces x² (a·a) or x² (a·v)² in `first` and the two products that belong to it. `dot_power` is an atom of
     /// `first` with its power. Returns false and changes nothing if the atom is not that dot product, or if a product
     /// is missing.
-    bool replace_three(const Combination& c, const Triple& u, const Product& first, const Ratio& factor,
+    bool replace_three(const Combination& combination, const Triple& u, const Product& first, const Ratio& factor,
                        const std::pair<const NodeId, int>& dot_power, Sum& rewritten) {
         const auto& [dot, exponent] = dot_power;
         const auto factors = terms_.factors_of(dot);
-        if (!factors || (factors->first != c.a && factors->second != c.a) || !first.contains(c.x)) return false;
-        const Triple& v = factors->first == c.a ? factors->second : factors->first;
-        const bool is_square = v == c.a;
+        if (!factors || (factors->first != combination.a && factors->second != combination.a) ||
+            !first.contains(combination.x))
+            return false;
+        const Triple& v = factors->first == combination.a ? factors->second : factors->first;
+        const bool is_square = v == combination.a;
         if (is_square ? exponent != 1 : exponent != 2) return false;
 
         // The products with x y and y² that must be in the sum too.
-        const auto av = terms_.known_dot(c.a, is_square ? c.b : v), bv = terms_.known_dot(c.b, is_square ? c.b : v);
+        const auto av = terms_.known_dot(combination.a, is_square ? combination.b : v),
+                   bv = terms_.known_dot(combination.b, is_square ? combination.b : v);
         if (!av || !bv) return false;
-        const Product rest = times(first, times(power(c.x, -2), power(dot, -exponent)));
-        const Product last = times(rest, times(power(c.y, 2), power(*bv, is_square ? 1 : 2)));
-        Product middle = times(rest, times(power(c.x, 1), power(c.y, 1)));
+        const Product rest = times(first, times(power(combination.x, -2), power(dot, -exponent)));
+        const Product last = times(rest, times(power(combination.y, 2), power(*bv, is_square ? 1 : 2)));
+        Product middle = times(rest, times(power(combination.x, 1), power(combination.y, 1)));
         middle = times(middle, is_square ? power(*av, 1) : times(power(*av, 1), power(*bv, 1)));
-        const Ratio doubled = factor * Ratio(c.is_difference ? -2 : 2, 1);
+        const Ratio doubled = factor * Ratio(combination.is_difference ? -2 : 2, 1);
         if (!is_in(rewritten, last, factor) || !is_in(rewritten, middle, doubled)) return false;
 
         const NodeId combined_dot = is_square ? terms_.dot(u, u) : terms_.dot(u, v);
@@ -105,36 +110,37 @@ private:
         const auto position = finder_.newest_nodes.find(terms_.meaning(atom));
         return position == finder_.newest_nodes.end() ? atom : position->second;
     }
-    Triple plain(const Combination& c) {
+    Triple plain(const Combination& combination) {
         Triple u{};
         for (std::size_t k = 0; k < 3; ++k)
-            u[k] = terms_.add(
-                c.is_difference ? TapeOp::sub : TapeOp::add,
-                {terms_.add(TapeOp::mul, {newest(c.x), c.a[k]}), terms_.add(TapeOp::mul, {newest(c.y), c.b[k]})});
+            u[k] = terms_.add(combination.is_difference ? TapeOp::sub : TapeOp::add,
+                              {terms_.add(TapeOp::mul, {newest(combination.x), combination.a[k]}),
+                               terms_.add(TapeOp::mul, {newest(combination.y), combination.b[k]})});
         return u;
     }
     /// The vector p a + q v × (a × b), which equals x a − y b for x = p + q (v·b) and y = q (v·a). Returns nothing if x
     /// and y are not of this form.
-    std::optional<Triple> by_cross_products(const Combination& c) {
-        const auto x = multiply_out(terms_, c.x), y = multiply_out(terms_, c.y);
-        if (!c.is_difference || !x || !y || y->empty()) return std::nullopt;
+    std::optional<Triple> by_cross_products(const Combination& combination) {
+        const auto x = multiply_out(terms_, combination.x), y = multiply_out(terms_, combination.y);
+        if (!combination.is_difference || !x || !y || y->empty()) return std::nullopt;
         for (const auto& [dot, exponent] : y->begin()->first) {
             const auto factors = terms_.factors_of(dot);
-            if (!factors || exponent < 1 || (factors->first != c.a && factors->second != c.a)) continue;
+            if (!factors || exponent < 1 || (factors->first != combination.a && factors->second != combination.a))
+                continue;
 
             // p and q, from y = q (v·a) and x = p + q (v·b).
-            const Triple v = factors->first == c.a ? factors->second : factors->first;
-            const auto vb = terms_.known_dot(v, c.b);
+            const Triple v = factors->first == combination.a ? factors->second : factors->first;
+            const auto vb = terms_.known_dot(v, combination.b);
             const Sum q = times(*y, Sum{{power(dot, -1), Ratio(1, 1)}});
             const Sum p = vb ? plus(*x, times(q, Sum{{power(*vb, 1), Ratio(-1, 1)}})) : Sum();
             if (p.empty() || p.size() >= x->size()) continue;
 
             const NodeId first = write_sum(terms_, p, finder_.newest_nodes),
                          second = write_sum(terms_, q, finder_.newest_nodes);
-            const Triple perpendicular = terms_.cross(v, terms_.cross(c.a, c.b));
+            const Triple perpendicular = terms_.cross(v, terms_.cross(combination.a, combination.b));
             Triple u{};
             for (std::size_t k = 0; k < 3; ++k)
-                u[k] = terms_.add(TapeOp::add, {terms_.add(TapeOp::mul, {first, c.a[k]}),
+                u[k] = terms_.add(TapeOp::add, {terms_.add(TapeOp::mul, {first, combination.a[k]}),
                                                 terms_.add(TapeOp::mul, {second, perpendicular[k]})});
             return u;
         }

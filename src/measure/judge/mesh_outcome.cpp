@@ -31,23 +31,26 @@ bool can_have_outcome(MeshOutcome outcome, AnswerKind kind) {
 
 SurfaceCrossings::SurfaceCrossings(const MeshCrossings& crossings, intersect::Facing facing) {
     for (const MeshCrossing& owner : crossings.in_order) {
-        const auto is_same_surface = [&owner](const Surface& s) {
-            return s.rank == owner.rank && s.is_front == owner.hits_front;
+        const auto is_same_surface = [&owner](const Surface& surface) {
+            return surface.rank == owner.rank && surface.is_front == owner.hits_front;
         };
         auto found = std::ranges::find_if(surfaces_, is_same_surface);
         if (found == surfaces_.end()) found = surfaces_.insert(surfaces_.end(), {owner.rank, owner.hits_front, {}});
         found->owners.push_back(&owner);
     }
 
-    for (Surface& s : surfaces_)
-        s.touches = std::ranges::any_of(
-            surfaces_, [&s](const Surface& other) { return other.rank == s.rank && other.is_front != s.is_front; });
+    for (Surface& surface : surfaces_)
+        surface.touches = std::ranges::any_of(surfaces_, [&surface](const Surface& other) {
+            return other.rank == surface.rank && other.is_front != surface.is_front;
+        });
     if (facing != intersect::Facing::both)
-        std::erase_if(surfaces_, [&](const Surface& s) { return s.is_front != (facing == intersect::Facing::front); });
+        std::erase_if(surfaces_,
+                      [&](const Surface& surface) { return surface.is_front != (facing == intersect::Facing::front); });
 }
 
 std::size_t SurfaceCrossings::certain_count() const {
-    return static_cast<std::size_t>(std::ranges::count_if(surfaces_, [](const Surface& s) { return !s.touches; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(surfaces_, [](const Surface& surface) { return !surface.touches; }));
 }
 
 namespace {
@@ -204,7 +207,7 @@ MeshOutcome judge_count(const Ray<double>& ray, std::int32_t count, bool parity,
     if (answer % 2 == total % 2 && (parity || (answer >= least && answer <= total))) return MeshOutcome::agree;
     if (total == 0) return MeshOutcome::false_hit;
     const bool is_border =
-        std::ranges::all_of(surfaces.all(), [&](const Surface& s) { return is_at_border(ray, s, mesh); });
+        std::ranges::all_of(surfaces.all(), [&](const Surface& surface) { return is_at_border(ray, surface, mesh); });
     if (answer % 2 != total % 2 && !is_border) return MeshOutcome::crack;
     return answer < total ? MeshOutcome::missing_hit : MeshOutcome::false_hit;
 }

@@ -259,7 +259,7 @@ std::span<const Strategy> strategies() { return strategy_rows; }
 
 std::vector<const Strategy*> all_strategies() {
     std::vector<const Strategy*> all;
-    for (const Strategy& s : strategy_rows) all.push_back(&s);
+    for (const Strategy& strategy : strategy_rows) all.push_back(&strategy);
     return all;
 }
 

@@ -22,41 +22,43 @@ bool has_light_in_shadow(const TruePixel& true_pixel, const TrueColour& colour, 
 }  // namespace
 
 void add_to_summary(const RenderBand& band, std::size_t stage_index, const StoredAppearance<double>& appearance,
-                    RenderSummary& s) {
-    const auto stage = static_cast<std::size_t>(s.stage);
+                    RenderSummary& summary) {
+    const auto stage = static_cast<std::size_t>(summary.stage);
     for (std::size_t i = 0; i < band.seen.size(); ++i) {
         const PaintedPixel& painted = band.painted[stage_index][i];
         const TruePixel& true_pixel = band.true_pixels[i];
         const TrueColour& colour = true_pixel.colours[stage];
         const bool is_same_sphere = band.seen[i] == SeenContent::same_sphere;
 
-        ++s.pixels;
-        ++s.seen[static_cast<std::size_t>(band.seen[i])];
+        ++summary.pixels;
+        ++summary.seen[static_cast<std::size_t>(band.seen[i])];
 
         // Colours
-        s.colour_unresolved += !colour.is_certain && band.seen[i] != SeenContent::unresolved;
-        s.colour_not_a_number +=
+        summary.colour_unresolved += !colour.is_certain && band.seen[i] != SeenContent::unresolved;
+        summary.colour_not_a_number +=
             std::isnan(painted.colour.x) || std::isnan(painted.colour.y) || std::isnan(painted.colour.z);
-        s.changed_pixels += colour.is_certain && (painted.byte != colour.byte || std::isnan(painted.error));
+        summary.changed_pixels += colour.is_certain && (painted.byte != colour.byte || std::isnan(painted.error));
         if (!std::isnan(painted.error) && (is_same_sphere || band.seen[i] == SeenContent::background))
-            s.colour_error.add(painted.error);
+            summary.colour_error.add(painted.error);
 
         // Points and normals
         if (is_same_sphere) {
-            if (!std::isnan(band.residual[i])) s.residual.add(band.residual[i]);
-            if (s.rule.has_diffuse && !std::isnan(band.normal_angle[i])) s.normal_angle.add(band.normal_angle[i]);
-            s.faces_away += s.rule.has_diffuse && !true_pixel.faces_light;
+            if (!std::isnan(band.residual[i])) summary.residual.add(band.residual[i]);
+            if (summary.rule.has_diffuse && !std::isnan(band.normal_angle[i]))
+                summary.normal_angle.add(band.normal_angle[i]);
+            summary.faces_away += summary.rule.has_diffuse && !true_pixel.faces_light;
         }
 
         // Shadows: of the form compared with the truth, then of the truth alone
-        if (!s.rule.has_shadows) continue;
+        if (!summary.rule.has_shadows) continue;
         const Receiver receiver = band.seen[i] == SeenContent::background ? Receiver::background : Receiver::sphere;
-        ++s.shadow[static_cast<std::size_t>(receiver)][static_cast<std::size_t>(band.shadow[i])];
+        ++summary.shadow[static_cast<std::size_t>(receiver)][static_cast<std::size_t>(band.shadow[i])];
         if (band.true_primitive[i] < 0 || !true_pixel.faces_light || true_pixel.shadow != TrueShadow::shadowed ||
             !colour.is_certain)
             continue;
-        ++s.truly_shadowed_points;
-        s.light_in_true_shadow += has_light_in_shadow(true_pixel, colour, appearance.paints[band.true_primitive[i]]);
+        ++summary.truly_shadowed_points;
+        summary.light_in_true_shadow +=
+            has_light_in_shadow(true_pixel, colour, appearance.paints[band.true_primitive[i]]);
     }
 }
 

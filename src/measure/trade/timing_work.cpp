@@ -160,43 +160,45 @@ const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_stru
     return boxes;
 }
 
-std::optional<TimedWork> BoxWork::work_for(const TimedKernel& k) {
+std::optional<TimedWork> BoxWork::work_for(const TimedKernel& kernel) {
     const bool warms_up = fits_in_cache(bytes_);
 
     // Loops as other projects write them
     const intersect::simd::PlainFormKernels* const plain =
-        k.kernel_name.starts_with("plain-") && k.format_name == "f32"
-            ? row_of(intersect::simd::all_plain_kernels(), k.form_name)
+        kernel.kernel_name.starts_with("plain-") && kernel.format_name == "f32"
+            ? row_of(intersect::simd::all_plain_kernels(), kernel.form_name)
             : nullptr;
-    if (plain && k.kernel_name == "plain-256")
+    if (plain && kernel.kernel_name == "plain-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] {
                              loop(ray.data(), boxes.data(), field->t.data(), field->t.size());
                          },
                          f32()->t.size(), warms_up};
-    if (plain && k.kernel_name == "plain-structs-256")
+    if (plain && kernel.kernel_name == "plain-structs-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = box_structs(), loop = plain->structs] {
                              loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
                          },
                          f32()->t.size(), warms_up};
 
     // Kernels of the forms
-    const auto isa = intersect::simd::find_isa(k.kernel_name);
+    const auto isa = intersect::simd::find_isa(kernel.kernel_name);
     const intersect::simd::ManyFormKernels* const row =
-        isa ? row_of(intersect::simd::all_many_kernels(*isa), k.form_name) : nullptr;
-    if (row && row->takes_tmax && row->f32 && k.format_name == "f32") return packed_work(f32(), row->f32, warms_up);
-    if (row && row->takes_tmax && row->f64 && k.format_name == "f64") return packed_work(f64(), row->f64, warms_up);
+        isa ? row_of(intersect::simd::all_many_kernels(*isa), kernel.form_name) : nullptr;
+    if (row && row->takes_tmax && row->f32 && kernel.format_name == "f32")
+        return packed_work(f32(), row->f32, warms_up);
+    if (row && row->takes_tmax && row->f64 && kernel.format_name == "f64")
+        return packed_work(f64(), row->f64, warms_up);
     return std::nullopt;
 }
 
-std::optional<TimedWork> RayWork::work_for(const TimedKernel& k) {
-    const auto isa = intersect::simd::find_isa(k.kernel_name);
+std::optional<TimedWork> RayWork::work_for(const TimedKernel& kernel) {
+    const auto isa = intersect::simd::find_isa(kernel.kernel_name);
     const intersect::simd::PackedFormKernels* const row =
-        isa ? row_of(intersect::simd::all_packed_kernels(*isa), k.form_name) : nullptr;
+        isa ? row_of(intersect::simd::all_packed_kernels(*isa), kernel.form_name) : nullptr;
     if (!row) return std::nullopt;
     const bool warms_up = fits_in_cache(bytes_);
     const Shape shape = intersect::table::catalogue()[row - intersect::simd::all_packed_kernels(*isa).data()].shape;
-    if (row->f32 && k.format_name == "f32") return packed_work(f32(shape), row->f32, warms_up);
-    if (row->f64 && k.format_name == "f64") return packed_work(f64(shape), row->f64, warms_up);
+    if (row->f32 && kernel.format_name == "f32") return packed_work(f32(shape), row->f32, warms_up);
+    if (row->f64 && kernel.format_name == "f64") return packed_work(f64(shape), row->f64, warms_up);
     return std::nullopt;
 }
 

@@ -260,17 +260,17 @@ std::string counterfactual_sentence(const Explanation& explanation) {
                            verb_of(only_rounded.hit));
     }
 
-    const auto ulps_off = [&view](const measure::attribution::Counterfactual& c) {
-        return fmt::format("{:.4g} ulp", std::fabs(c.error / view.ulp()));
+    const auto ulps_off = [&view](const measure::attribution::Counterfactual& counterfactual) {
+        return fmt::format("{:.4g} ulp", std::fabs(counterfactual.error / view.ulp()));
     };
 
     // A reader of the first half would conclude that the repair of this operation is enough.
     const bool hardly_helps = !is_step && only_exact.hit && std::isfinite(only_exact.error) &&
                               std::fabs(only_exact.error) > std::fabs(explanation.attribution.error) / 2;
-    const auto effect_of = [&](const measure::attribution::Counterfactual& c, const char* still) {
-        if (!c.hit) return std::string("the form would miss");
-        return std::isfinite(c.error) ? fmt::format("t would {}be {} off", still, ulps_off(c))
-                                      : "t would not be finite";
+    const auto effect_of = [&](const measure::attribution::Counterfactual& counterfactual, const char* still) {
+        if (!counterfactual.hit) return std::string("the form would miss");
+        return std::isfinite(counterfactual.error) ? fmt::format("t would {}be {} off", still, ulps_off(counterfactual))
+                                                   : "t would not be finite";
     };
     const std::string advice =
         hardly_helps ? fmt::format(" So repairing {} alone does not help much: the other roundings alone cost {}.",

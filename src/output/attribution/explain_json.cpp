@@ -109,8 +109,9 @@ void add_verdict(Json& json, const Explanation& explanation, const ExplainedVerd
     json["largest_sentence"] = explanation.has_tape() ? Json(culprit_sentence(explanation)) : Json(nullptr);
 
     // The answers if only the culprit were exact, and if only the culprit rounded.
-    const auto counterfactual = [](const measure::attribution::Counterfactual& c) {
-        return Json{{"hit", c.hit}, {"error", c.hit ? json_number(c.error) : Json(nullptr)}};
+    const auto counterfactual = [](const measure::attribution::Counterfactual& counterfactual) {
+        return Json{{"hit", counterfactual.hit},
+                    {"error", counterfactual.hit ? json_number(counterfactual.error) : Json(nullptr)}};
     };
     const bool has_counterfactuals = explanation.culprit_alone && verdict.culprit != no_node;
     json["culprit_alone_exact"] =

@@ -61,24 +61,28 @@ Table<GrowthMargin> make_margin_table() {
     using measure::choose::MarginEnd;
     Table<GrowthMargin> table{
         {"way", "the quantity that grows: distance, radius, offset or view",
-         [](const GrowthMargin& r) { return measure::choose::growth_names[static_cast<std::size_t>(r.growth)]; }},
+         [](const GrowthMargin& margin) {
+             return measure::choose::growth_names[static_cast<std::size_t>(margin.growth)];
+         }},
         {"holds", "1", "the largest factor at which the requirement was met; 0: not even by the scene as it is",
          &GrowthMargin::holding_factor},
         {"value", "the quantity at that factor, in world units or, for view, degrees; missing if holds is 0",
-         [](const GrowthMargin& r) { return when(r.holding_factor != 0, r.value); }},
+         [](const GrowthMargin& margin) { return when(margin.holding_factor != 0, margin.value); }},
         {"beyond", "1", "the smallest larger factor that was tried; missing: none",
-         [](const GrowthMargin& r) { return when(r.end_factor != 0, r.end_factor); }},
+         [](const GrowthMargin& margin) { return when(margin.end_factor != 0, margin.end_factor); }},
         {"end",
          "state at that factor: fails (the requirement), nothing_hit, other_scene (rounding stores another scene), "
          "none (as far as was tried)",
-         [](const GrowthMargin& r) { return measure::choose::margin_end_names[static_cast<std::size_t>(r.end)]; }}};
+         [](const GrowthMargin& margin) {
+             return measure::choose::margin_end_names[static_cast<std::size_t>(margin.end)];
+         }}};
     return table.add<FormQuality>(
         {{"wrong", "rays decided wrongly at the failing factor", &FormQuality::wrong},
          {"rays", "number of rays at the failing factor", &FormQuality::rays},
          {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&FormQuality::kept_bits)},
          {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
           or_missing(&FormQuality::distance_error)}},
-        [](const GrowthMargin& r) { return r.end == MarginEnd::fails ? &r.end_quality : nullptr; });
+        [](const GrowthMargin& margin) { return margin.end == MarginEnd::fails ? &margin.end_quality : nullptr; });
 }
 
 namespace {

@@ -58,7 +58,9 @@ struct JudgedRay {
     map::BandRay band_ray;
 };
 
-bool has_file_hit(const JudgedRay& r) { return !r.chunk->hit.empty() && r.chunk->hit[r.band_ray.i] != 0; }
+bool has_file_hit(const JudgedRay& judged_ray) {
+    return !judged_ray.chunk->hit.empty() && judged_ray.chunk->hit[judged_ray.band_ray.i] != 0;
+}
 
 /// Columns with the numbers that the file has for a ray and its primitive.
 Table<JudgedRay> make_file_columns(const RayFile& ray_file) {
@@ -82,23 +84,26 @@ Table<JudgedRay> make_file_columns(const RayFile& ray_file) {
     // The ray and its range.
     for (int k = 0; k < 6; ++k)
         add_number(slot::origin + static_cast<std::size_t>(k), "number of the ray, as it was judged",
-                   [k](const Chunk& c, std::size_t i) {
-                       const Ray<double> ray = c.rays[i];
+                   [k](const Chunk& chunk, std::size_t i) {
+                       const Ray<double> ray = chunk.rays[i];
                        return k < 3 ? ray.origin[k] : ray.direction[k - 3];
                    });
     add_number(slot::tmin, "beginning of the ray's range",
-               [](const Chunk& c, std::size_t i) { return c.rays.tmin[i]; });
-    add_number(slot::tmax, "end of the ray's range", [](const Chunk& c, std::size_t i) { return c.rays.tmax[i]; });
+               [](const Chunk& chunk, std::size_t i) { return chunk.rays.tmin[i]; });
+    add_number(slot::tmax, "end of the ray's range",
+               [](const Chunk& chunk, std::size_t i) { return chunk.rays.tmax[i]; });
 
     // The primitive and its matrix.
     for (std::size_t s = slot::primitive; s < slot::t; ++s)
-        add_number(
-            s, "number of the ray's primitive, as it was judged",
-            [k = s - slot::primitive](const Chunk& c, std::size_t i) { return c.primitives[i].shape_numbers()[k]; });
+        add_number(s, "number of the ray's primitive, as it was judged",
+                   [k = s - slot::primitive](const Chunk& chunk, std::size_t i) {
+                       return chunk.primitives[i].shape_numbers()[k];
+                   });
     for (std::size_t s = slot::matrix; s < slot::count; ++s)
-        add_number(
-            s, "number of the primitive's matrix, as it was judged",
-            [k = s - slot::matrix](const Chunk& c, std::size_t i) { return c.primitives[i].transform->matrix[k]; });
+        add_number(s, "number of the primitive's matrix, as it was judged",
+                   [k = s - slot::matrix](const Chunk& chunk, std::size_t i) {
+                       return chunk.primitives[i].transform->matrix[k];
+                   });
 
     // The answer.
     add(slot::hit, "boolean", "true if the file has a hit for this ray", has_file_hit);
@@ -123,8 +128,9 @@ Table<JudgedRay> make_ray_table(const RayFile& ray_file, const std::vector<const
         std::string name =
             file::escape_formula(ray_file.layout().kept_columns()[k]);  // a column may have the name of a formula
         while (name.empty() || table.find(name) || answer_columns.find(name)) name = "file_" + name;
-        table.add({name, "this column of the file, unchanged",
-                   [k, kept_count](const JudgedRay& r) { return r.chunk->kept[r.band_ray.i * kept_count + k]; }});
+        table.add({name, "this column of the file, unchanged", [k, kept_count](const JudgedRay& judged_ray) {
+                       return judged_ray.chunk->kept[judged_ray.band_ray.i * kept_count + k];
+                   }});
     }
     return table.add(answer_columns, &JudgedRay::band_ray);
 }

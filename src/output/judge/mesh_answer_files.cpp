@@ -21,16 +21,16 @@ const char* record_noun(AnswerKind kind) { return kind == AnswerKind::inside ? "
 
 Table<MeshFaultRow> make_fault_table(AnswerKind kind) {
     Table<MeshFaultRow> table{
-        {"outcome", "fault", [](const MeshFaultRow& r) { return std::string(measure::judge::name_of(r.outcome)); }},
+        {"outcome", "fault", [](const MeshFaultRow& row) { return std::string(measure::judge::name_of(row.outcome)); }},
         {"count", std::string("number of ") + record_noun(kind) + "s with it", &MeshFaultRow::count},
         {"first_record", "index of the first record of the first of them in the file, from 0",
-         [](const MeshFaultRow& r) { return r.first->record; }}};
+         [](const MeshFaultRow& row) { return row.first->record; }}};
     if (kind != AnswerKind::inside)
         return table.add(table::make_ray_columns("the first of them"),
-                         [](const MeshFaultRow& r) { return &r.first->ray; });
+                         [](const MeshFaultRow& row) { return &row.first->ray; });
     for (int k = 0; k < 3; ++k)
         table.add({std::string{'p', "xyz"[k]} + "_hex", "the first of them",
-                   [k](const MeshFaultRow& r) { return file::hex(r.first->ray.origin[k]); }});
+                   [k](const MeshFaultRow& row) { return file::hex(row.first->ray.origin[k]); }});
     return table;
 }
 

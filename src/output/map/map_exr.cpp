@@ -178,16 +178,16 @@ MapExr::MapExr(const std::filesystem::path& path, const MapExrRequest& request) 
     // A part for each tested form. The first tested form with a truth of its own makes the part of that truth.
     for (const TestedForm& tested_form : request.map.tested_forms) {
         series_.push_back({&tested_form, series_layers(request, tested_form)});
-        const std::size_t truth_index =
-            index_in(truth_parts_, [kind = truth_key(tested_form)](const TruthPart& t) { return t.kind == kind; });
+        const std::size_t truth_index = index_in(
+            truth_parts_, [kind = truth_key(tested_form)](const TruthPart& part) { return part.kind == kind; });
         if (truth_index == truth_parts_.size())
             truth_parts_.push_back({truth_key(tested_form), &tested_form, truth_layers(tested_form)});
         parts.push_back(
             series_part(request, tested_form, truth_parts_[truth_index].name(), series_.back().layers.channels()));
     }
 
-    for (const TruthPart& t : truth_parts_) {
-        parts.push_back(make_part(request, t.name(), "lostbits-map/2", t.layers.channels()));
+    for (const TruthPart& part : truth_parts_) {
+        parts.push_back(make_part(request, part.name(), "lostbits-map/2", part.layers.channels()));
         parts.back().spec.attributes.emplace_back("lostbits:truths",
                                                   pixel::numbered_list(measure::truth::decision_names));
     }
@@ -210,7 +210,7 @@ std::vector<ExrScanlines> MapExr::make_rows(const TestedForm& tested_form, const
         index_in(series_, [&tested_form](const SeriesLayers& s) { return s.tested_form == &tested_form; });
     std::vector<ExrScanlines> part_rows{band_forms(index, series_[index].layers, strip)};
     const std::size_t truth_index =
-        index_in(truth_parts_, [&tested_form](const TruthPart& t) { return t.first_form == &tested_form; });
+        index_in(truth_parts_, [&tested_form](const TruthPart& part) { return part.first_form == &tested_form; });
     if (truth_index < truth_parts_.size())
         part_rows.push_back(band_forms(series_.size() + truth_index, truth_parts_[truth_index].layers, strip));
     return part_rows;

@@ -42,7 +42,8 @@ std::vector<MapSheet> group_into_sheets(const MapStudy& study, const MapFilesOpt
         };
         const auto first = std::ranges::find_if(study.tested_forms, applies);
         if (first == study.tested_forms.end()) continue;
-        const auto sheet = std::ranges::find_if(sheets, [m](const MapSheet& s) { return s.paint.shares_bar_with(*m); });
+        const auto sheet =
+            std::ranges::find_if(sheets, [m](const MapSheet& sheet) { return sheet.paint.shares_bar_with(*m); });
         if (sheet != sheets.end()) sheet->metrics.push_back(m);
         else sheets.push_back({MetricPaint(*m, first->format.parameters, options.range), {m}});
     }
@@ -123,8 +124,9 @@ std::vector<MapPictures::Column> MapPictures::make_columns() {
             const auto paint = std::make_shared<const MetricPaint>(*m, tested_form.format.parameters, options_.range);
             if (!paint->applies_to(tested_form)) continue;
 
-            const auto sheet = std::ranges::find_if(
-                sheets_, [m](const MapSheet& s) { return std::ranges::find(s.metrics, m) != s.metrics.end(); });
+            const auto sheet = std::ranges::find_if(sheets_, [m](const MapSheet& sheet) {
+                return std::ranges::find(sheet.metrics, m) != sheet.metrics.end();
+            });
             const pixel::SheetPosition position{find_or_add(sheet->forms, short_name(*tested_form.form->info)),
                                                 find_or_add(sheet->lines, sheet->line_name(tested_form, *m)),
                                                 static_cast<std::size_t>(sheet - sheets_.begin())};

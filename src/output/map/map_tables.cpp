@@ -41,14 +41,14 @@ Cell cell_of(const SummaryColumn& column, const FormSummary& summary) {
 }
 
 void add_columns(Table<SummaryRow>& table, const std::vector<SummaryColumn>& columns) {
-    for (const SummaryColumn& c : columns)
-        table.add(
-            {{c.name, type_of(c), c.unit, c.meaning}, [c](const SummaryRow& r) { return cell_of(c, *r.summary); }});
+    for (const SummaryColumn& column : columns)
+        table.add({{column.name, type_of(column), column.unit, column.meaning},
+                   [column](const SummaryRow& row) { return cell_of(column, *row.summary); }});
 }
 
-std::string worst_ray_command(const SummaryRow& r, const measure::evaluate::WorstRay* ray) {
-    const std::string arguments = ray != nullptr && ray->x >= 0 ? r.ray_arguments(*ray) : "";
-    return arguments.empty() ? "" : attribution::explain_command(arguments, r.tested_form);
+std::string worst_ray_command(const SummaryRow& row, const measure::evaluate::WorstRay* ray) {
+    const std::string arguments = ray != nullptr && ray->x >= 0 ? row.ray_arguments(*ray) : "";
+    return arguments.empty() ? "" : attribution::explain_command(arguments, row.tested_form);
 }
 
 }  // namespace
@@ -57,8 +57,8 @@ Table<SummaryRow> make_summary_table(const std::vector<const Metric*>& metrics, 
                                      bool has_meshes, std::string group_column) {
     using R = SummaryRow;
     std::vector<SummaryColumn> ray_columns = measure::evaluate::summary_columns(metrics);
-    std::erase_if(ray_columns, [has_meshes](const SummaryColumn& c) {
-        return !c.is_in_tables || (c.only_for_meshes && !has_meshes);
+    std::erase_if(ray_columns, [has_meshes](const SummaryColumn& column) {
+        return !column.is_in_tables || (column.only_for_meshes && !has_meshes);
     });
 
     // The row, the numbers of its rays, and the worst ray and the first wrong decision with their commands.

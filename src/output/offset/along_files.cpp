@@ -72,7 +72,9 @@ void OffsetsAlongAxisWriter::plot_wrong(std::size_t form_index, Side side) const
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         spec.series.push_back(make_series(
             form_index, side,
-            [k](const SideSummary& s) { return measure::truth::fraction(s.strategies[k].bad_rays, s.rays); },
+            [k](const SideSummary& summary) {
+                return measure::truth::fraction(summary.strategies[k].bad_rays, summary.rays);
+            },
             study_.strategies[k]));
 
     spec.notes = {
@@ -85,11 +87,13 @@ void OffsetsAlongAxisWriter::plot_size(std::size_t form_index, Side side) const 
     auto spec = make_spec(form_index, side, "Offsets", {.title = "world units", .scale = plot::AxisSpec::Scale::log10});
 
     // The smallest safe offset, and the offsets of the strategies that move the point.
-    spec.series = {make_series(form_index, side, [](const SideSummary& s) { return s.safe_offset.quantile(1); })};
+    spec.series = {
+        make_series(form_index, side, [](const SideSummary& summary) { return summary.safe_offset.quantile(1); })};
     for (std::size_t k = 0; k < study_.strategies.size(); ++k)
         if (!study_.strategies[k]->keeps_point)
             spec.series.push_back(make_series(
-                form_index, side, [k](const SideSummary& s) { return s.strategies[k].offset_size.quantile(0.5); },
+                form_index, side,
+                [k](const SideSummary& summary) { return summary.strategies[k].offset_size.quantile(0.5); },
                 study_.strategies[k]));
 
     spec.notes = {

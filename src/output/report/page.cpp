@@ -85,17 +85,17 @@ Json index_json(const Report& report) {
     Json json = colours_json();
     json["quantiles"] = json_array(measure::metric::quantile_statistics, [](const auto& q) { return q.name; });
     json["least_agreement"] = measure::metric::min_agreement;
-    json["maps"] = json_array(report.maps, [](const MapSection& m) { return m.index; });
-    json["sweeps"] = json_array(report.sweeps, [](const SweepSection& s) {
-        return Json{{"id", s.id},
-                    {"title", s.title},
-                    {"note", s.note},
-                    {"kind", kind_names[static_cast<std::size_t>(s.kind)]},
-                    {"charts", json_array(s.charts, [](const Chart& c) { return c.name; })},
-                    {"rows", s.tested_form_names}};
+    json["maps"] = json_array(report.maps, [](const MapSection& section) { return section.index; });
+    json["sweeps"] = json_array(report.sweeps, [](const SweepSection& section) {
+        return Json{{"id", section.id},
+                    {"title", section.title},
+                    {"note", section.note},
+                    {"kind", kind_names[static_cast<std::size_t>(section.kind)]},
+                    {"charts", json_array(section.charts, [](const Chart& c) { return c.name; })},
+                    {"rows", section.tested_form_names}};
     });
     json["statistics"] = sweep_statistics;
-    json["trades"] = json_array(report.trades, [](const TradeSection& t) { return t.json; });
+    json["trades"] = json_array(report.trades, [](const TradeSection& section) { return section.json; });
     return json;
 }
 
@@ -127,18 +127,20 @@ std::string preformatted_html(const std::string& content) {
 std::string maps_body(const std::vector<MapSection>& maps) {
     if (maps.empty()) return "";
     std::string text = "<div id=\"map-view\" hidden></div>\n";
-    for (const MapSection& m : maps)
-        text += details_html("scene-" + m.id, title_with_name(m.title, m.id),
-                             note_and_source(m.note, m.source) + m.table + noscript_image_html(m.sheet));
+    for (const MapSection& section : maps)
+        text += details_html(
+            "scene-" + section.id, title_with_name(section.title, section.id),
+            note_and_source(section.note, section.source) + section.table + noscript_image_html(section.sheet));
     return text;
 }
 
 std::string sweeps_body(const std::vector<SweepSection>& sweeps) {
     if (sweeps.empty()) return "";
     std::string text = "<div id=\"sweep-view\" hidden></div>\n";
-    for (const SweepSection& s : sweeps)
-        text += details_html("sweep-" + s.id, title_with_name(s.title, s.id),
-                             note_and_source(s.note, s.source) + s.table + figures_html(s.charts));
+    for (const SweepSection& section : sweeps)
+        text +=
+            details_html("sweep-" + section.id, title_with_name(section.title, section.id),
+                         note_and_source(section.note, section.source) + section.table + figures_html(section.charts));
     return text;
 }
 
@@ -152,9 +154,9 @@ std::string timing_note(const Report& report) {
 std::string trades_body(const Report& report) {
     if (report.trades.empty()) return "";
     std::string text = fmt::format("<p>{}</p>\n<div id=\"trade-view\" hidden></div>\n", timing_note(report));
-    for (const TradeSection& t : report.trades)
-        text += details_html("trade-" + t.shape, html(t.shape),
-                             fmt::format("<pre>{}</pre>", html(t.text)) + figures_html(t.charts));
+    for (const TradeSection& section : report.trades)
+        text += details_html("trade-" + section.shape, html(section.shape),
+                             fmt::format("<pre>{}</pre>", html(section.text)) + figures_html(section.charts));
     return text;
 }
 
@@ -214,12 +216,13 @@ std::string mends_body(const Report& report) {
 }
 
 /// A study of a scene under a heading: its texts, table and sheet.
-std::string study_html(const StudySection& s, const std::string& element_id, const std::string& heading) {
+std::string study_html(const StudySection& section, const std::string& element_id, const std::string& heading) {
     std::string body;
-    if (!s.purpose.empty()) body += fmt::format("<p>{}.</p>\n", html(s.purpose));
-    body += note_and_source(s.note, s.source);
-    for (const std::string& line : s.sentences) body += fmt::format("<p>{}</p>\n", html(line));
-    return details_html(element_id, title_with_name(heading, s.id), body + s.table + image_html(s.sheet));
+    if (!section.purpose.empty()) body += fmt::format("<p>{}.</p>\n", html(section.purpose));
+    body += note_and_source(section.note, section.source);
+    for (const std::string& line : section.sentences) body += fmt::format("<p>{}</p>\n", html(line));
+    return details_html(element_id, title_with_name(heading, section.id),
+                        body + section.table + image_html(section.sheet));
 }
 
 std::string offsets_body(const std::vector<StudySection>& offsets) {
@@ -234,14 +237,15 @@ std::string offsets_body(const std::vector<StudySection>& offsets) {
         measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
 
-    for (const StudySection& o : offsets) text += study_html(o, "offsets-" + o.id, o.title);
+    for (const StudySection& section : offsets) text += study_html(section, "offsets-" + section.id, section.title);
     return text;
 }
 
 std::string studies_body(const std::vector<StudySection>& studies) {
     std::string text;
-    for (const StudySection& s : studies)
-        text += study_html(s, fmt::format("study-{}-{}", s.study, s.id), fmt::format("{}: {}", s.study, s.title));
+    for (const StudySection& section : studies)
+        text += study_html(section, fmt::format("study-{}-{}", section.study, section.id),
+                           fmt::format("{}: {}", section.study, section.title));
     return text;
 }
 
@@ -254,11 +258,12 @@ constexpr const char* opening_text =
 std::string results_table(const std::vector<MapSection>& maps) {
     if (maps.empty()) return "";
     std::string text = begin_table({"scene", "result", "forms and formats with wrong decisions"}, " id=\"results\"");
-    for (const MapSection& m : maps)
+    for (const MapSection& section : maps)
         text += fmt::format(
             "<tr><th scope=\"row\"><a class=\"jump\" href=\"#scene-{0}\" data-view=\"scene={0}\">{1}"
             "</a></th><td>{2}</td><td class=\"n\">{3} of {4}</td></tr>\n",
-            html(m.id), html(m.title), html(m.finding), m.wrong_row_count, m.tested_form_names.size());
+            html(section.id), html(section.title), html(section.finding), section.wrong_row_count,
+            section.tested_form_names.size());
     return text + end_table;
 }
 
@@ -328,16 +333,16 @@ std::vector<Section> make_sections(const Report& report) {
         {"claims", "Claims", "Claims", claims_body(report)},
         {"made", "Command", "The command", command_body(report)},
     };
-    std::erase_if(sections, [](const Section& s) { return s.body.empty(); });
+    std::erase_if(sections, [](const Section& section) { return section.body.empty(); });
     return sections;
 }
 
 /// Elements of the page's body.
 std::string body_html(const Report& report) {
     std::string links, text;
-    for (const Section& s : make_sections(report)) {
-        links += fmt::format("{}<a href=\"#{}\">{}</a>", links.empty() ? "" : " ", s.id, s.link);
-        text += fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", s.id, s.title, s.body);
+    for (const Section& section : make_sections(report)) {
+        links += fmt::format("{}<a href=\"#{}\">{}</a>", links.empty() ? "" : " ", section.id, section.link);
+        text += fmt::format("<section id=\"{}\"><h2>{}</h2>\n{}</section>\n", section.id, section.title, section.body);
     }
     return fmt::format(
         "<header><h1>lostbits report</h1>\n<p id=\"opening\">{} {}</p>\n{}<nav>{}</nav>\n<noscript><p>Without scripts "
@@ -365,10 +370,11 @@ std::string page(const Report& report) {
     text += "</head><body>\n" + body_html(report);
     text +=
         fmt::format("<script type=\"application/json\" id=\"index\">{}</script>\n", compact_json(index_json(report)));
-    for (const MapSection& m : report.maps) {
-        for (const NamedData& b : m.named_data) text += blob_html(b.name, b.packed);
+    for (const MapSection& section : report.maps) {
+        for (const NamedData& b : section.named_data) text += blob_html(b.name, b.packed);
     }
-    for (const SweepSection& s : report.sweeps) text += blob_html("sweep:" + s.id, pack(compact_json(s.json)));
+    for (const SweepSection& section : report.sweeps)
+        text += blob_html("sweep:" + section.id, pack(compact_json(section.json)));
     text += fmt::format("<script>{}</script>\n</body></html>\n", page_script.text);
     return text;
 }

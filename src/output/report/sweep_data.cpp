@@ -197,9 +197,9 @@ std::vector<EventColumn> event_columns(const std::vector<Onset>& onsets) {
 /// Cell with the onset of an event for form `form_index`, or a dash.
 std::string onset_cell(const std::vector<Onset>& onsets, std::size_t form_index, const EventColumn& column,
                        double threshold) {
-    const auto onset = std::ranges::find_if(onsets, [&](const Onset& o) {
-        return o.form_index == form_index && o.event == column.event && o.statistic == column.statistic &&
-               o.threshold == threshold;
+    const auto onset = std::ranges::find_if(onsets, [&](const Onset& onset) {
+        return onset.form_index == form_index && onset.event == column.event && onset.statistic == column.statistic &&
+               onset.threshold == threshold;
     });
     const bool is_found = onset != onsets.end() && onset->found;
     return fmt::format("<td class=\"n\">{}{}</td>", is_found ? onset_text(*onset) : "&ndash;",

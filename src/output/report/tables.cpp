@@ -233,13 +233,13 @@ std::string offset_overview(const std::vector<StudySection>& parts) {
     std::string text = "<div class=\"pair\">\n";
     for (const Side side : both_sides) {
         std::vector<std::string> names{"strategy"};
-        for (const StudySection& p : parts) names.push_back(p.id);
+        for (const StudySection& section : parts) names.push_back(section.id);
         text += begin_table(names, "", fmt::format("Rays {}", offset::side_phrase(side)));
 
         for (std::size_t k = 0; k < strategies.size(); ++k) {
             text += fmt::format("<tr><th scope=\"row\">{}</th>", html(offset::short_name(*strategies[k])));
-            for (const StudySection& p : parts)
-                text += fraction_cell(p.wrong_fractions[static_cast<std::size_t>(side)][k]);
+            for (const StudySection& section : parts)
+                text += fraction_cell(section.wrong_fractions[static_cast<std::size_t>(side)][k]);
             text += "</tr>\n";
         }
         text += end_table;

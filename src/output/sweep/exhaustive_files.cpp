@@ -85,14 +85,14 @@ Table<FloatsRow> make_subject_columns() {
 
 Table<FloatsRow> end_columns(const std::string& unit) {
     return {{"from_hex", unit, "the first float that was tried, exactly",
-             [](const FloatsRow& r) { return hex_of(r.floats.first); }},
+             [](const FloatsRow& row) { return hex_of(row.floats.first); }},
             {"to_hex", unit, "the last float that was tried, exactly",
-             [](const FloatsRow& r) { return hex_of(r.floats.last); }}};
+             [](const FloatsRow& row) { return hex_of(row.floats.last); }}};
 }
 
 table::TableColumn<FloatsRow> count_column() {
     return {"floats", "number of floats that were tried, by counting",
-            [](const FloatsRow& r) { return r.tally.floats(); }};
+            [](const FloatsRow& row) { return row.tally.floats(); }};
 }
 
 /// Columns with the number of floats for each outcome that can occur.
@@ -102,7 +102,7 @@ Table<FloatsRow> make_outcome_columns(const ExhaustiveRequest& request) {
         request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_primitive;
     for (std::size_t o = 0; o < outcome_count; ++o)
         table.add({std::string(measure::answer::outcome_names[o]), "floats with this outcome",
-                   [o](const FloatsRow& r) { return r.tally.outcomes[o]; }});
+                   [o](const FloatsRow& row) { return row.tally.outcomes[o]; }});
     return table;
 }
 
@@ -130,7 +130,7 @@ Table<FloatsRow> make_worst_columns(const std::string& unit) {
           [](const W& w) { return file::hex(w.answer.truth); }}},
         &FloatsRow::worst);
     return table.add({"worst_explain", "the command that explains the worst float",
-                      [](const FloatsRow& r) { return r.worst ? r.explain(r.worst->float_index) : ""; }});
+                      [](const FloatsRow& row) { return row.worst ? row.explain(row.worst->float_index) : ""; }});
 }
 
 Table<FloatsRow> make_wrong_columns(const std::string& unit) {
@@ -142,11 +142,11 @@ Table<FloatsRow> make_wrong_columns(const std::string& unit) {
     const auto add = [&](const std::string& position, std::optional<WrongDecision> FloatTally::*member) {
         table.add<WrongDecision>(
             {{position + "_wrong_hex", unit, "the " + position + " float with a wrong decision, exactly",
-              [](const WrongDecision& x) { return hex_of(x.float_index); }},
+              [](const WrongDecision& decision) { return hex_of(decision.float_index); }},
              {position + "_wrong_bits", "bits of that float",
-              [](const WrongDecision& x) { return float_bits(x.float_index); }},
+              [](const WrongDecision& decision) { return float_bits(decision.float_index); }},
              {position + "_wrong_outcome", "outcome of that float",
-              [](const WrongDecision& x) { return outcome_name(x.outcome); }}},
+              [](const WrongDecision& decision) { return outcome_name(decision.outcome); }}},
             [member](const R& r) -> const auto& { return r.tally.*member; });
     };
     add("first", &FloatTally::first_wrong);

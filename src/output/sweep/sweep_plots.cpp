@@ -114,11 +114,11 @@ void add_marks(LinePlotSpec& spec, const MeasuredSweep& sweep, const Format& for
         if (!mark.format.empty() && mark.format != format.name) continue;
         spec.marks.push_back({mark.at, mark.label});
 
-        const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& o) {
-            const TestedForm& tested_form = request.tested_forms[o.form_index];
-            return o.found && !o.reads_backwards && tested_form.form->info->name == mark.form &&
-                   tested_form.format == format && o.event == mark.event && o.statistic == mark.statistic &&
-                   o.threshold == mark.threshold;
+        const auto onset = std::ranges::find_if(sweep.onsets, [&](const Onset& onset) {
+            const TestedForm& tested_form = request.tested_forms[onset.form_index];
+            return onset.found && !onset.reads_backwards && tested_form.form->info->name == mark.form &&
+                   tested_form.format == format && onset.event == mark.event && onset.statistic == mark.statistic &&
+                   onset.threshold == mark.threshold;
         });
         if (onset == sweep.onsets.end()) continue;
         const std::string form_name = map::short_name(*request.tested_forms[onset->form_index].form->info);

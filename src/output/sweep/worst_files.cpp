@@ -77,9 +77,9 @@ struct WorstRow {
     const std::optional<WorstResult>& worst;
 };
 
-scene::rays::RayGroup make_worst_group(const WorstResult& w) {
-    scene::rays::RayGroup group = scene::rays::group_of(w.ray);
-    group.primitives = {w.primitive};
+scene::rays::RayGroup make_worst_group(const WorstResult& worst) {
+    scene::rays::RayGroup group = scene::rays::group_of(worst.ray);
+    group.primitives = {worst.primitive};
     return group;
 }
 
@@ -121,14 +121,14 @@ table::Table<WorstRow> make_worst_table(const WorstRequest& request) {
 }
 
 std::string worst_case_text(const WorstRequest& request, const measure::evaluate::TestedForm& tested_form,
-                            const WorstResult& w) {
-    const bool is_agreed_hit = w.outcome == Outcome::agree_hit;
-    std::string result_text = is_agreed_hit
-                                  ? fmt::format("{} {:.6g}", request.search.metric, w.value)
-                                  : std::string(measure::answer::outcome_names[static_cast<std::size_t>(w.outcome)]);
-    if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", w.distance);
+                            const WorstResult& worst) {
+    const bool is_agreed_hit = worst.outcome == Outcome::agree_hit;
+    std::string result_text =
+        is_agreed_hit ? fmt::format("{} {:.6g}", request.search.metric, worst.value)
+                      : std::string(measure::answer::outcome_names[static_cast<std::size_t>(worst.outcome)]);
+    if (!is_agreed_hit && request.search.nearest) result_text += fmt::format(" at {:.6g} radii", worst.distance);
     return case_text(fmt::format("{} in {}: {}", tested_form.form->info->name, tested_form.format.name, result_text),
-                     make_worst_group(w));
+                     make_worst_group(worst));
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ Format default_format(const Layout& layout, const std::vector<BinaryColumn>& col
 BinaryRayFile::BinaryRayFile(const std::filesystem::path& path, const ReadOptions& options, LayoutReader read)
     : RayFile(path), source_(path, options.stop), record_layout_(read(source_, options)) {
     std::vector<std::string> names;
-    for (const BinaryColumn& c : record_layout_.columns) names.push_back(c.name);
+    for (const BinaryColumn& column : record_layout_.columns) names.push_back(column.name);
     layout_.emplace(std::move(names), [this](std::size_t, const std::string& why) {
         throw InputError(record_layout_.error_source + ": " + why);
     });
@@ -75,9 +75,9 @@ bool BinaryRayFile::next(std::size_t max_records, Records& records) {
     if (max_records == 0) return false;
     std::size_t bytes_read = 0;
     if (record_layout_.is_column_major) {
-        for (const BinaryColumn& c : record_layout_.columns)
-            bytes_read += source_.read_at(record_layout_.begin + c.offset + next_record_ * c.type.size, records.bytes,
-                                          max_records * c.type.size);
+        for (const BinaryColumn& column : record_layout_.columns)
+            bytes_read += source_.read_at(record_layout_.begin + column.offset + next_record_ * column.type.size,
+                                          records.bytes, max_records * column.type.size);
     } else {
         bytes_read = source_.read(records.bytes, max_records * record_layout_.record_size);
     }
@@ -252,7 +252,7 @@ RecordLayout read_raw_layout(toml::ByteSource& source, const ReadOptions& option
                          ": raw numbers have no header; name them and their types with "
                          "--columns ox:f32,oy,oz,dx,dy,dz,hit:u8,t:f32");
     RecordLayout raw{.columns = read_columns(options.columns), .begin = options.skip, .error_source = "--columns"};
-    for (const BinaryColumn& c : raw.columns) raw.record_size += c.type.size;
+    for (const BinaryColumn& column : raw.columns) raw.record_size += column.type.size;
     if (source.size() && *source.size() < options.skip)
         throw InputError(fmt::format("{}: --skip {} is beyond its end: it has {} bytes", source.name(), options.skip,
                                      *source.size()));

@@ -12,9 +12,9 @@ namespace lostbits::test::test_box_formulas {
 
 namespace {
 
-bool hits(const intersect::table::Intersector& form, const BoxSample& s) {
-    return ask_row<float>(form, lift_ray<float>(s.ray), lift_primitive<float>(Primitive<double>(s.box)),
-                          static_cast<float>(s.tmax))
+bool hits(const intersect::table::Intersector& form, const BoxSample& sample) {
+    return ask_row<float>(form, lift_ray<float>(sample.ray), lift_primitive<float>(Primitive<double>(sample.box)),
+                          static_cast<float>(sample.tmax))
         .hit;
 }
 

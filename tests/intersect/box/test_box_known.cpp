@@ -130,25 +130,25 @@ const KnownCase known[] = {
 };
 
 template <class T>
-void ask_every_form(const KnownCase& k) {
+void ask_every_form(const KnownCase& known) {
     const auto vec = [](const std::array<double, 3>& v) { return Vec<T>(T(v[0]), T(v[1]), T(v[2])); };
     const auto rows = intersect::table::intersectors(Shape::box);
     REQUIRE(rows.size() == forms.size());
-    REQUIRE(std::string_view(k.hits).size() == forms.size());
+    REQUIRE(std::string_view(known.hits).size() == forms.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const std::string_view name = rows[i].info->name;
         REQUIRE(name == forms[i]);
-        const auto [hit, t, near, far] =
-            ask_row<T>(rows[i], {vec(k.origin), vec(k.direction)}, Box<T>{vec(k.lo), vec(k.hi)}, T(k.tmax));
-        INFO(name << ", " << k.what << ": t " << t << " near " << near << " far " << far);
-        CHECK(hit == (k.hits[i] == 'H'));
-        if (k.hits[i] != 'H') continue;
+        const auto [hit, t, near, far] = ask_row<T>(rows[i], {vec(known.origin), vec(known.direction)},
+                                                    Box<T>{vec(known.lo), vec(known.hi)}, T(known.tmax));
+        INFO(name << ", " << known.what << ": t " << t << " near " << near << " far " << far);
+        CHECK(hit == (known.hits[i] == 'H'));
+        if (known.hits[i] != 'H') continue;
         CHECK(near == t);
         if (name == "box.embree_padded") {  // (1 - 3 eps)/d, rounded to less than 8u of t
-            CHECK(t <= k.t);
-            CHECK(t >= k.t * (1 - 8 * u));
+            CHECK(t <= known.t);
+            CHECK(t >= known.t * (1 - 8 * u));
         } else {
-            CHECK(t == k.t);
+            CHECK(t == known.t);
         }
     }
 }

@@ -46,29 +46,29 @@ const KnownCase known[] = {
 };
 
 template <class T>
-void ask(const Intersector& row, const KnownCase& k, double slack) {
+void ask(const Intersector& row, const KnownCase& known, double slack) {
     const intersect::Info& info = *row.info;
-    const double length2 =
-        k.direction[0] * k.direction[0] + k.direction[1] * k.direction[1] + k.direction[2] * k.direction[2];
+    const double length2 = known.direction[0] * known.direction[0] + known.direction[1] * known.direction[1] +
+                           known.direction[2] * known.direction[2];
     if (info.direction == intersect::Direction::unit && length2 != 1) return;
-    const bool inside = k.line == KnownCase::crosses && k.near < 0 && k.far > 0;
+    const bool inside = known.line == KnownCase::crosses && known.near < 0 && known.far > 0;
     if (info.roots == Roots::near_only && inside) return;
 
     const bool zero_counts = info.at_origin == intersect::AtOrigin::hit;
     const auto counts = [&](double t) { return t > 0 || (t == 0 && zero_counts); };
-    bool want =
-        k.line == KnownCase::crosses || (k.line == KnownCase::touches && info.touching == intersect::Touching::hit);
-    const double first = counts(k.near) || info.roots == Roots::near_only ? k.near : k.far;
+    bool want = known.line == KnownCase::crosses ||
+                (known.line == KnownCase::touches && info.touching == intersect::Touching::hit);
+    const double first = counts(known.near) || info.roots == Roots::near_only ? known.near : known.far;
     want = want && counts(first);
     // Two forms cannot see a ray that touches, and this is where that is written down: bounds moved outward make every
     // touching discriminant possibly negative, a miss; and from the point of closest approach q = 0 there, so t is 0/0.
-    const bool touches = k.line == KnownCase::touches;
+    const bool touches = known.line == KnownCase::touches;
     if (touches && info.name == "sphere.pbrt_interval") want = false;
 
     const auto vec = [](const std::array<double, 3>& v) { return Vec<T>(T(v[0]), T(v[1]), T(v[2])); };
     const auto [hit, t, near, far] =
-        ask_row<T>(row, {vec(k.origin), vec(k.direction)}, Sphere<T>{vec(k.centre), T(k.radius)});
-    INFO(info.name << " in " << 8 * sizeof(T) << " bits, " << k.what << ": hit " << hit << " t " << t << " near "
+        ask_row<T>(row, {vec(known.origin), vec(known.direction)}, Sphere<T>{vec(known.centre), T(known.radius)});
+    INFO(info.name << " in " << 8 * sizeof(T) << " bits, " << known.what << ": hit " << hit << " t " << t << " near "
                    << near << " far " << far);
     if (touches && info.name == "sphere.closest_approach") {
         CHECK(std::isnan(t));
@@ -78,8 +78,8 @@ void ask(const Intersector& row, const KnownCase& k, double slack) {
     if (!hit || !want) return;
     CHECK(std::fabs(t - first) <= slack);
     if (info.roots == Roots::both) {
-        CHECK(std::fabs(near - k.near) <= slack);
-        CHECK(std::fabs(far - k.far) <= slack);
+        CHECK(std::fabs(near - known.near) <= slack);
+        CHECK(std::fabs(far - known.far) <= slack);
     } else {
         CHECK(near == t);
         CHECK(far == t);

@@ -21,7 +21,8 @@ namespace {
 
 double sum_of_sizes(const Attribution& a) {
     double sum = 0;
-    for (const measure::attribution::OperationError& e : a.errors) sum += e.is_live ? std::fabs(e.contribution) : 0;
+    for (const measure::attribution::OperationError& error : a.errors)
+        sum += error.is_live ? std::fabs(error.contribution) : 0;
     return sum;
 }
 
@@ -94,10 +95,10 @@ TEST_CASE("contributions sum to the error, derivatives to first order, and fast 
         // them in a row.
         double worst = 0;
         bool turned = false;
-        for (const measure::attribution::OperationError& e : a.errors) {
-            if (!e.is_live) continue;
-            turned |= e.decision_changed;
-            if (e.exact != 0) worst = std::max(worst, std::fabs(e.error / e.exact));
+        for (const measure::attribution::OperationError& error : a.errors) {
+            if (!error.is_live) continue;
+            turned |= error.decision_changed;
+            if (error.exact != 0) worst = std::max(worst, std::fabs(error.error / error.exact));
         }
         if (turned || worst > 0x1p-10) return;
         REQUIRE(std::fabs(a.first_order_sum - a.error) <= 64 * worst * sum_of_sizes(a) + 0x1p-36 * std::fabs(a.error));

@@ -79,9 +79,9 @@ struct Columns {
     std::vector<std::uint32_t> left;
     double largest = 0;
 
-    explicit Columns(const Problems& p) {
-        for (auto& v : values) v.assign(p.answers.size(), -77.0);
-        largest = measure::columns::find_errors(p.answers, p.lengths, p.format.parameters,
+    explicit Columns(const Problems& problems) {
+        for (auto& v : values) v.assign(problems.answers.size(), -77.0);
+        largest = measure::columns::find_errors(problems.answers, problems.lengths, problems.format.parameters,
                                                 {.ulp = values[0].data(),
                                                  .lost = values[1].data(),
                                                  .correct = values[2].data(),
@@ -95,27 +95,28 @@ constexpr std::array<const char*, 5> names{"ulp_error", "lost_bits", "correct_bi
                                            "absolute_error"};
 
 /// Checks that every ray is left to the functions or has the bits of each metric; returns the share that is left.
-double compare(const Problems& p) {
-    const Columns columns(p);
+double compare(const Problems& problems) {
+    const Columns columns(problems);
     CHECK(std::ranges::is_sorted(columns.left));
-    std::vector<bool> is_left(p.answers.size());
+    std::vector<bool> is_left(problems.answers.size());
     for (const std::uint32_t i : columns.left) is_left[i] = true;
     std::size_t measured = 0, wrong = 0;
     double largest = 0;
-    for (std::size_t i = 0; i < p.answers.size(); ++i) {
-        const bool wanted = !std::isnan(p.answers[i]);
+    for (std::size_t i = 0; i < problems.answers.size(); ++i) {
+        const bool wanted = !std::isnan(problems.answers[i]);
         measured += wanted;
         if (is_left[i]) {
             wrong += !wanted;
             continue;
         }
         for (std::size_t m = 0; m < names.size(); ++m) {
-            const double want = wanted ? measure::metric::find_metric(names[m])->value(p.sample(i)) : missing;
+            const double want = wanted ? measure::metric::find_metric(names[m])->value(problems.sample(i)) : missing;
             if (same_bits(columns.values[m][i], want)) continue;
             ++wrong;
             UNSCOPED_INFO(names[m] << " of ray " << i << ": " << std::hexfloat << columns.values[m][i] << ", not "
-                                   << want << "; t " << p.answers[i] << ", t* " << p.truths[i].t.hi << " + "
-                                   << p.truths[i].t.lo << " times 2^" << std::defaultfloat << p.truths[i].t.exponent);
+                                   << want << "; t " << problems.answers[i] << ", t* " << problems.truths[i].t.hi
+                                   << " + " << problems.truths[i].t.lo << " times 2^" << std::defaultfloat
+                                   << problems.truths[i].t.exponent);
             if (wrong > 5) break;
         }
         if (wanted) largest = std::max(largest, std::fabs(columns.values[0][i]));

@@ -16,11 +16,11 @@ using test::row;
 TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, constants are as published",
           "[measure][offset]") {
     std::set<std::string_view> names;
-    for (const Strategy& s : strategies()) {
-        CHECK(s.name.starts_with("offset."));
-        CHECK(names.insert(s.name).second);
-        CHECK_FALSE(s.source.empty());
-        CHECK((s.operations(Shape::sphere) == 0) == s.keeps_point);
+    for (const Strategy& strategy : strategies()) {
+        CHECK(strategy.name.starts_with("offset."));
+        CHECK(names.insert(strategy.name).second);
+        CHECK_FALSE(strategy.source.empty());
+        CHECK((strategy.operations(Shape::sphere) == 0) == strategy.keeps_point);
     }
     const auto rule = [](std::string_view name) { return *std::ranges::find(strategies(), name, &Strategy::name); };
     StrategyInput<float> l{.ray = {{0, 0, 9}, {0, 0, -1}},

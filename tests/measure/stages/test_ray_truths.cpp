@@ -37,11 +37,12 @@ struct Ideal {
             const Real x = moved(v.x), y = moved(v.y), z = moved(v.z);
             return Vec<Real>(x, y, z);
         };
-        for (const HardRay& p : problems) {
-            const Vec<Real> origin = vec(p.ray.origin), direction = vec(p.ray.direction);
+        for (const HardRay& hard_ray : problems) {
+            const Vec<Real> origin = vec(hard_ray.ray.origin), direction = vec(hard_ray.ray.direction);
             rays.push({origin, direction});
-            primitives.push_back(convert_numbers(p.primitive, moved));
-            const Range<double> range = ranged ? range_about_primitive(rng, p.ray, p.primitive, binary64) : p.range;
+            primitives.push_back(convert_numbers(hard_ray.primitive, moved));
+            const Range<double> range =
+                ranged ? range_about_primitive(rng, hard_ray.ray, hard_ray.primitive, binary64) : hard_ray.range;
             rays.tmin.push_back(range.tmin), rays.tmax.push_back(range.tmax);
         }
         rays.open_ends = ranged.value_or(OpenEnds{});
@@ -80,17 +81,17 @@ TEST_CASE("truth columns: numbers beyond double give the same truth as ray by ra
 
 TEST_CASE("truths of rays among spheres and boxes equal those of each ray alone") {
     std::vector<HardRay> problems = problems_of(Shape::sphere, binary32, 40);
-    for (const HardRay& p : problems_of(Shape::box, binary32, 40)) problems.push_back(p);
+    for (const HardRay& hard_ray : problems_of(Shape::box, binary32, 40)) problems.push_back(hard_ray);
     std::vector<Primitive<double>> primitives;
     for (std::size_t i = 0; i < problems.size(); i += 97) primitives.push_back(problems[i].primitive);
     // Several primitives that no ray can distinguish, and one that does not exist.
     primitives.push_back(primitives[2]);
     primitives.insert(primitives.begin() + 1, Primitive<double>(Sphere<double>{{0, 0, 0}, -1}));
     scene::rays::RayBlock rays;
-    for (const HardRay& p : problems) {
-        rays.push(p.ray);
-        rays.tmin.push_back(p.range.tmin);
-        rays.tmax.push_back(p.range.tmax);
+    for (const HardRay& hard_ray : problems) {
+        rays.push(hard_ray.ray);
+        rays.tmin.push_back(hard_ray.range.tmin);
+        rays.tmax.push_back(hard_ray.range.tmax);
     }
     measure::truth::RayTruths found;
     const scene::rays::PrimitiveList<double> list(primitives);

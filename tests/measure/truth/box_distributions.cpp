@@ -284,13 +284,13 @@ const BoxDistribution box_distributions[19] = {
     {"power of two", Promise::none, power_of_two, 6000},
 };
 
-std::string paste(const BoxSample& s) {
-    const Vec<double>&o = s.ray.origin, &d = s.ray.direction, &a = s.box.lo, &b = s.box.hi;
+std::string paste(const BoxSample& sample) {
+    const Vec<double>&o = sample.ray.origin, &d = sample.ray.direction, &a = sample.box.lo, &b = sample.box.hi;
     char text[640];
     std::snprintf(
         text, sizeof text,
         "Ray<double> ray{{%a, %a, %a}, {%a, %a, %a}}; Box<double> box{{%a, %a, %a}, {%a, %a, %a}}; double tmax = %a;",
-        o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, s.tmax);
+        o.x, o.y, o.z, d.x, d.y, d.z, a.x, a.y, a.z, b.x, b.y, b.z, sample.tmax);
     return text;
 }
 

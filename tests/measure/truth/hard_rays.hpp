@@ -36,9 +36,9 @@ inline std::vector<HardDistribution> hard_distributions(Shape shape, std::initia
     for (const FloatFormat& storage : formats) {
         const auto keep = [storage](double x) { return stored(x, storage); };  // some scale their rounded numbers
         const auto add_spheres = [&](const auto& distributions) {
-            for (const RayDistribution& f : distributions)
-                all.push_back({f.name, storage, [&f, storage](Seeded& rng) {
-                                   const RaySample s = f.make(rng, storage);
+            for (const RayDistribution& distribution : distributions)
+                all.push_back({distribution.name, storage, [&distribution, storage](Seeded& rng) {
+                                   const RaySample s = distribution.make(rng, storage);
                                    return HardRay{s.ray, s.sphere};
                                }});
         };
@@ -46,17 +46,17 @@ inline std::vector<HardDistribution> hard_distributions(Shape shape, std::initia
             add_spheres(near_distributions), add_spheres(power_distributions);
             if (wide == Wide::yes) add_spheres(wide_distributions);
         } else if (shape == Shape::box) {
-            for (const BoxDistribution& f : box_distributions)
-                all.push_back({f.name, storage, [&f, storage, keep](Seeded& rng) {
-                                   const BoxSample s = f.make(rng, storage);
+            for (const BoxDistribution& distribution : box_distributions)
+                all.push_back({distribution.name, storage, [&distribution, storage, keep](Seeded& rng) {
+                                   const BoxSample s = distribution.make(rng, storage);
                                    return HardRay{{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
                                                   convert_numbers(Primitive<double>(s.box), keep),
                                                   {.tmax = keep(s.tmax)}};
                                }});
         } else {
-            for (const test::TriangleDistribution& f : test::triangle_distributions)
-                all.push_back({f.name, storage, [&f](Seeded& rng) {
-                                   const test::TriangleSample s = test::in_floats(f.make(rng));
+            for (const test::TriangleDistribution& distribution : test::triangle_distributions)
+                all.push_back({distribution.name, storage, [&distribution](Seeded& rng) {
+                                   const test::TriangleSample s = test::in_floats(distribution.make(rng));
                                    return HardRay{s.ray, s.triangle};
                                }});
         }

@@ -38,7 +38,7 @@ const SphereOrigins on_sphere[] = {
     {{6, 10, 15}, {-1, -3, -1}, 19},
 };
 
-Sphere<double> sphere_of(const SphereOrigins& x) { return {{0, 0, 0}, x.radius}; }
+Sphere<double> sphere_of(const SphereOrigins& origins) { return {{0, 0, 0}, origins.radius}; }
 
 template <class T>
 Vec<T> lifted(const Vec<double>& v) {
@@ -80,22 +80,22 @@ TEST_CASE("every unrounded sphere form decides eyes on the surface as its contra
     std::set<std::string_view> undecided;
     intersect::sphere::SphereForms::for_each([&]<class Form>() {
         if constexpr (Form::info.formats == intersect::Formats::all) {
-            for (const SphereOrigins& x : on_sphere) {
+            for (const SphereOrigins& origins : on_sphere) {
                 for (const Vec<double>& d : directions) {
-                    const double h = dot(x.origin, d), a = dot(d, d);
+                    const double h = dot(origins.origin, d), a = dot(d, d);
                     if (!is_requested(Form::info, h)) continue;
                     if (Form::info.direction == intersect::Direction::unit && a != 1) continue;
                     const Hit<Exact> got =
-                        Form::intersect(Ray<Exact>{lifted<Exact>(x.origin), lifted<Exact>(d)},
-                                        Sphere<Exact>{Vec<Exact>(Exact(0), Exact(0), Exact(0)), Exact(x.radius)});
-                    INFO(Form::info.name << " from " << x.origin.x << " " << x.origin.y << " " << x.origin.z << ", h "
-                                         << h);
+                        Form::intersect(Ray<Exact>{lifted<Exact>(origins.origin), lifted<Exact>(d)},
+                                        Sphere<Exact>{Vec<Exact>(Exact(0), Exact(0), Exact(0)), Exact(origins.radius)});
+                    INFO(Form::info.name << " from " << origins.origin.x << " " << origins.origin.y << " "
+                                         << origins.origin.z << ", h " << h);
                     if (h == 0 && isnan(got.t)) {
                         undecided.insert(Form::info.name);
                         continue;
                     }
-                    const Truth truth =
-                        find_truth({x.origin, d}, Primitive<double>(sphere_of(x)), {}, Form::info.convention());
+                    const Truth truth = find_truth({origins.origin, d}, Primitive<double>(sphere_of(origins)), {},
+                                                   Form::info.convention());
                     CHECK(got.hit == truth.is_hit());
                     // pbrt_interval takes the root of a length that is not a square.
                     const Exact want(truth.is_hit() && !truth.t.is_zero() ? -2 * h / a : 0);
@@ -143,13 +143,13 @@ TEST_CASE("every unrounded box form hits a box at t = 0 if the eye lies on it", 
 
 TEST_CASE("a form that skips t = 0 is judged by its own contract, not by another form's", "[measure][truth]") {
     const intersect::table::Intersector* const interval = &test::form_named("sphere.pbrt_interval");
-    for (const SphereOrigins& x : on_sphere) {
+    for (const SphereOrigins& origins : on_sphere) {
         scene::rays::RayGroup group;
-        group.rays.push({x.origin, x.direction});
+        group.rays.push({origins.origin, origins.direction});
         group.rays.width = 1;
         group.rays.y1 = 1;
-        group.primitives = {Primitive<double>(sphere_of(x))};
-        const double h = dot(x.origin, x.direction);
+        group.primitives = {Primitive<double>(sphere_of(origins))};
+        const double h = dot(origins.origin, origins.direction);
         const auto outcome = [&](std::optional<Touching> judged, const char* format) {
             auto summaries = measure::evaluate::measure_groups(
                 {group}, {{interval, *find_format(format), judged}},

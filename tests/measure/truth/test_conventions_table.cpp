@@ -120,10 +120,10 @@ constexpr std::array touches{Touching::hit, Touching::miss};
 constexpr std::array origins{AtOrigin::hit, AtOrigin::exit, AtOrigin::miss};
 constexpr std::array insides{Inside::usual, Inside::exit, Inside::zero, Inside::miss};
 
-Truth truth_of(const Example& e, const Convention& asked) {
-    Primitive<double> primitive(e.shape);
-    std::ranges::copy(e.numbers, primitive.numbers.begin());
-    return find_truth(e.ray, primitive, {}, asked, {0, e.tmax});
+Truth truth_of(const Example& example, const Convention& asked) {
+    Primitive<double> primitive(example.shape);
+    std::ranges::copy(example.numbers, primitive.numbers.begin());
+    return find_truth(example.ray, primitive, {}, asked, {0, example.tmax});
 }
 
 /// Cells of docs/truth.md: the answers by each value of the property that decides.
@@ -182,25 +182,26 @@ std::string table() {
 
 TEST_CASE("conventions: the truth answers each situation as the table says", "[measure][truth]") {
     std::size_t asked_of = 0, passed = 0;
-    for (const Example& e : examples) {
+    for (const Example& example : examples) {
         for (const Touching touching : touches) {
             for (const AtOrigin at_origin : origins) {
                 for (const Inside inside : insides) {
                     Convention asked(touching, at_origin);
                     asked.inside = inside;
-                    const Truth truth = truth_of(e, asked);
-                    const RightAnswer right = intersect::right_answer(e.shape, e.of, asked);
-                    INFO(name_of(e.shape) << " " << situation_names[static_cast<std::size_t>(e.of)] << ", touching "
-                                          << static_cast<int>(touching) << ", at_origin "
-                                          << intersect::at_origin_names[static_cast<std::size_t>(at_origin)]
-                                          << ", inside " << intersect::inside_names[static_cast<std::size_t>(inside)]
-                                          << ": right is " << answer_names[static_cast<std::size_t>(right)] << ", hit "
-                                          << truth.is_hit() << " at " << truth.t.hi);
+                    const Truth truth = truth_of(example, asked);
+                    const RightAnswer right = intersect::right_answer(example.shape, example.of, asked);
+                    INFO(name_of(example.shape)
+                         << " " << situation_names[static_cast<std::size_t>(example.of)] << ", touching "
+                         << static_cast<int>(touching) << ", at_origin "
+                         << intersect::at_origin_names[static_cast<std::size_t>(at_origin)] << ", inside "
+                         << intersect::inside_names[static_cast<std::size_t>(inside)] << ": right is "
+                         << answer_names[static_cast<std::size_t>(right)] << ", hit " << truth.is_hit() << " at "
+                         << truth.t.hi);
                     CHECK(right != RightAnswer::none);
                     CHECK(truth.is_hit() == (right != RightAnswer::miss));
                     if (truth.is_hit())
                         CHECK(std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) ==
-                              (right == RightAnswer::origin ? 0 : e.ahead));
+                              (right == RightAnswer::origin ? 0 : example.ahead));
                     ++asked_of, passed += truth.is_hit();
                 }
             }
@@ -213,8 +214,8 @@ TEST_CASE("conventions: the truth answers each situation as the table says", "[m
 TEST_CASE("conventions: the table covers every situation of every kind", "[measure][truth]") {
     for (const ShapeRow& shape : shape_rows) {
         for (const Situation of : intersect::all_situations) {
-            const bool has =
-                std::ranges::any_of(examples, [&](const Example& e) { return e.shape == shape.shape && e.of == of; });
+            const bool has = std::ranges::any_of(
+                examples, [&](const Example& example) { return example.shape == shape.shape && example.of == of; });
             INFO(shape.name << " " << situation_names[static_cast<std::size_t>(of)]);
             CHECK(has == (intersect::right_answer(shape.shape, of, {}) != RightAnswer::none));
         }

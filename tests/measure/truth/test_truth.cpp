@@ -39,8 +39,8 @@ Exact exactly(const RaySample& sample, const Range<double>& range, Touching touc
             [e](const Dyadic& x) { return e.distance_side(x); }};
 }
 
-Exact exactly(const BoxSample& s, const Range<double>& range, Touching touching) {
-    test::BoxCase x = test::exactly(s.ray, s.box, range.tmax);
+Exact exactly(const BoxSample& sample, const Range<double>& range, Touching touching) {
+    test::BoxCase x = test::exactly(sample.ray, sample.box, range.tmax);
     x.tmin = test::Rational(range.tmin), x.open_ends = range.open_ends;
     const test::Span span = ray_in_box(x, touching == Touching::hit);
     if (span.is_empty()) return {};
@@ -61,8 +61,9 @@ bool keeps(RayDistribution::Promise promise, const RaySample& sample) {
     return false;
 }
 
-bool keeps(BoxDistribution::Promise promise, const BoxSample& s) {
-    const test::BoxCase x = test::exactly(s.ray, s.box, s.tmax), begin = test::exactly(s.ray, s.box, 0);
+bool keeps(BoxDistribution::Promise promise, const BoxSample& sample) {
+    const test::BoxCase x = test::exactly(sample.ray, sample.box, sample.tmax),
+                        begin = test::exactly(sample.ray, sample.box, 0);
     const bool in_closed = !ray_in_box(begin, true).is_empty(), in_open = !ray_in_box(begin, false).is_empty();
     const auto met = [&x](bool closed) { return !line_in_box(x, closed).is_empty(); };
     switch (promise) {
@@ -80,13 +81,13 @@ bool keeps(BoxDistribution::Promise promise, const BoxSample& s) {
 }
 
 Range<double> range_of(const RaySample&) { return {}; }
-Range<double> range_of(const BoxSample& s) { return s.range(); }
+Range<double> range_of(const BoxSample& sample) { return sample.range(); }
 Primitive<double> primitive_of(const RaySample& sample) { return sample.sphere; }
-Primitive<double> primitive_of(const BoxSample& s) { return s.box; }
-int rays_of(const RayDistribution& f, const FloatFormat& storage) {
-    return storage == binary32 ? f.rays_binary32 : f.rays_binary64;
+Primitive<double> primitive_of(const BoxSample& sample) { return sample.box; }
+int rays_of(const RayDistribution& distribution, const FloatFormat& storage) {
+    return storage == binary32 ? distribution.rays_binary32 : distribution.rays_binary64;
 }
-int rays_of(const BoxDistribution& f, const FloatFormat&) { return f.rays; }
+int rays_of(const BoxDistribution& distribution, const FloatFormat&) { return distribution.rays; }
 std::string paste(const RaySample& sample) { return test::paste(sample.ray, sample.sphere); }
 
 /// Describes the fault of a proved length; empty if it has none.
@@ -229,23 +230,26 @@ TEST_CASE("truth in a range: for boxes it is the first of entry and exit, by fra
 }
 
 TEST_CASE("truth agrees with exact integers on binary32 inputs", "[near][binary32]") {
-    for (const RayDistribution& f : near_distributions) check(f, binary32, 1);
+    for (const RayDistribution& distribution : near_distributions) check(distribution, binary32, 1);
 }
 
 TEST_CASE("truth agrees with exact integers on binary64 inputs", "[near][binary64]") {
-    for (const RayDistribution& f : near_distributions) check(f, binary64, 2);
+    for (const RayDistribution& distribution : near_distributions) check(distribution, binary64, 2);
 }
 
 TEST_CASE("the binade of t and of the distance is decided exactly at powers of two and on both sides", "[power]") {
-    for (const RayDistribution& f : power_distributions) check(f, binary32, 5), check(f, binary64, 6);
+    for (const RayDistribution& distribution : power_distributions)
+        check(distribution, binary32, 5), check(distribution, binary64, 6);
 }
 
 TEST_CASE("truth agrees with exact integers where exponents are wide and where t is a tie", "[wide]") {
-    for (const RayDistribution& f : wide_distributions) check(f, binary32, 3), check(f, binary64, 4);
+    for (const RayDistribution& distribution : wide_distributions)
+        check(distribution, binary32, 3), check(distribution, binary64, 4);
 }
 
 TEST_CASE("truth of boxes agrees with fractions", "[box]") {
-    for (const BoxDistribution& f : box_distributions) check(f, binary32, 1), check(f, binary64, 2);
+    for (const BoxDistribution& distribution : box_distributions)
+        check(distribution, binary32, 1), check(distribution, binary64, 2);
 }
 
 TEST_CASE("truth decides rays without length and rays that end before they start", "[box]") {

@@ -176,38 +176,39 @@ const std::regex& raw_number() {
 
 TEST_CASE("explained rays have the same verdict as text, JSON and table for every ray, range and convention") {
     std::map<std::string, int> seen;
-    on_explained_rays(is_long() ? 40 : 2, 65, [&](const RayQuestion&, const ShownRay& s) {
-        INFO(s.text);
-        for (const auto& [key, says] :
-             {std::pair{"answer", s.verdict.answer}, {"verdict", s.verdict.loss}, {"sentence", s.verdict.blame}}) {
-            REQUIRE(s.json[key] == says);
-            REQUIRE(s.says(says + "\n"));
+    on_explained_rays(is_long() ? 40 : 2, 65, [&](const RayQuestion&, const ShownRay& shown) {
+        INFO(shown.text);
+        for (const auto& [key, says] : {std::pair{"answer", shown.verdict.answer},
+                                        {"verdict", shown.verdict.loss},
+                                        {"sentence", shown.verdict.blame}}) {
+            REQUIRE(shown.json[key] == says);
+            REQUIRE(shown.says(says + "\n"));
         }
         // The culprit is the row with the star, and the sentence names it; else there is neither.
         std::string starred;
-        for (const std::string& line : lines_of(s.text))
+        for (const std::string& line : lines_of(shown.text))
             if (line.starts_with("* ") && !line.starts_with("* marks")) starred = line.substr(2, line.find(' ', 2) - 2);
-        REQUIRE(s.json["culprit"].is_null() == starred.empty());
-        if (!starred.empty()) REQUIRE(s.json["culprit"] == starred);
-        REQUIRE(s.says("* marks the culprit") == !starred.empty());
-        const std::string& blame = s.verdict.blame;
+        REQUIRE(shown.json["culprit"].is_null() == starred.empty());
+        if (!starred.empty()) REQUIRE(shown.json["culprit"] == starred);
+        REQUIRE(shown.says("* marks the culprit") == !starred.empty());
+        const std::string& blame = shown.verdict.blame;
         const auto has = [&blame](const char* words) { return blame.find(words) != std::string::npos; };
         if (starred.empty()) CHECK_FALSE(has("The culprit is"));
         if (has("o operation is to blame") || has("No operation rounded")) CHECK(starred.empty());
         // The words about decisions agree with the two runs, and with the table.
-        const bool hit = s.json["hit"], exact = s.json["attribution"]["exact_hit"],
-                   cut = s.x.attribution.loop_was_cut_short;
+        const bool hit = shown.json["hit"], exact = shown.json["attribution"]["exact_hit"],
+                   cut = shown.x.attribution.loop_was_cut_short;
         if (has("is the same without rounding") || has("Rounding changed no decision")) CHECK((cut || hit == exact));
-        if (has("The decision is the same")) CHECK_FALSE(s.x.result.is_right());
-        if (hit != exact && !cut && !s.x.result.is_right() && s.x.result.outcome != Outcome::unresolved) {
-            CHECK_FALSE(s.says("On the inputs as the format stores them, the form"));
+        if (has("The decision is the same")) CHECK_FALSE(shown.x.result.is_right());
+        if (hit != exact && !cut && !shown.x.result.is_right() && shown.x.result.outcome != Outcome::unresolved) {
+            CHECK_FALSE(shown.says("On the inputs as the format stores them, the form"));
             ++seen[starred.empty() ? "turned, nothing named" : "turned, named"];
         }
-        if (s.x.result.is_right()) CHECK((starred.empty() || s.x.result.lost_bits >= 1));
-        const NodeId subject = s.x.attribution.subject;
-        if (subject != no_node && is_decision(s.x.tape[subject].op)) {
-            const std::string name = s.json["attribution"]["subject"];
-            for (const auto& row : s.json["operations"])
+        if (shown.x.result.is_right()) CHECK((starred.empty() || shown.x.result.lost_bits >= 1));
+        const NodeId subject = shown.x.attribution.subject;
+        if (subject != no_node && is_decision(shown.x.tape[subject].op)) {
+            const std::string name = shown.json["attribution"]["subject"];
+            for (const auto& row : shown.json["operations"])
                 if (row["name"] == name) CHECK(row["computed"] != row["exact"]);
             ++seen["subject is a decision"];
         }
@@ -222,23 +223,23 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
 
 TEST_CASE("the range of a ray is among the inputs and on the tape, and its decisions agree with the form") {
     int limits = 0, decided = 0, turned = 0;
-    on_explained_rays(is_long() ? 40 : 3, 66, [&](const RayQuestion& asked, const ShownRay& s) {
-        INFO(s.text);
-        const OneRay::Inputs in = s.ray.inputs(*asked.form, asked.format);
+    on_explained_rays(is_long() ? 40 : 3, 66, [&](const RayQuestion& asked, const ShownRay& shown) {
+        INFO(shown.text);
+        const OneRay::Inputs in = shown.ray.inputs(*asked.form, asked.format);
         const auto answers = measure::answer::evaluate(*asked.form, in.format_inputs);
-        REQUIRE(s.x.hit == (answers.hit[in.index] != 0));
-        if (s.x.hit) REQUIRE(same_number(s.x.result.t, answers.t[in.index]));
-        const bool whole = s.x.range.is_whole();
-        REQUIRE(s.says("\n  ray.tmin") == !whole);
-        REQUIRE(s.says("\n  ray.tmax") == !whole);
-        REQUIRE(s.json["inputs"].contains("ray.tmin") == !whole);
-        REQUIRE(s.json["open_ends"] == std::string(name_of(s.x.range.open_ends)));
+        REQUIRE(shown.x.hit == (answers.hit[in.index] != 0));
+        if (shown.x.hit) REQUIRE(same_number(shown.x.result.t, answers.t[in.index]));
+        const bool whole = shown.x.range.is_whole();
+        REQUIRE(shown.says("\n  ray.tmin") == !whole);
+        REQUIRE(shown.says("\n  ray.tmax") == !whole);
+        REQUIRE(shown.json["inputs"].contains("ray.tmin") == !whole);
+        REQUIRE(shown.json["open_ends"] == std::string(name_of(shown.x.range.open_ends)));
         limits += !whole;
-        if (s.x.attribution.loop_was_cut_short) return;
-        if (const auto exact = exact_decision(asked, s.x)) {
-            REQUIRE(s.x.attribution.is_exact_hit == *exact);
+        if (shown.x.attribution.loop_was_cut_short) return;
+        if (const auto exact = exact_decision(asked, shown.x)) {
+            REQUIRE(shown.x.attribution.is_exact_hit == *exact);
             ++decided;
-            turned += s.x.hit != *exact;
+            turned += shown.x.hit != *exact;
         }
     });
     CHECK(limits > 150);
@@ -248,10 +249,11 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
 
 TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
     std::map<std::string, int> seen;
-    on_explained_rays(is_long() ? 40 : 3, 67, [&](const RayQuestion&, const ShownRay& s) {
-        const output::attribution::OperationView words(s.x);
-        std::vector<std::string> sentences = lines_of(s.verdict.text() + output::attribution::sums_text(s.x, words));
-        sentences.push_back(s.json["largest_sentence"]);
+    on_explained_rays(is_long() ? 40 : 3, 67, [&](const RayQuestion&, const ShownRay& shown) {
+        const output::attribution::OperationView words(shown.x);
+        std::vector<std::string> sentences =
+            lines_of(shown.verdict.text() + output::attribution::sums_text(shown.x, words));
+        sentences.push_back(shown.json["largest_sentence"]);
         for (const std::string& sentence : sentences) {
             INFO(sentence);
             CHECK_FALSE(std::regex_search(sentence, raw_number()));
@@ -259,7 +261,7 @@ TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
             seen["not a number"] += sentence.find("not a number") != std::string::npos;
             seen["no finite share"] += sentence.find("no finite share") != std::string::npos;
         }
-        for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows)
+        for (const output::attribution::OperationRow& row : operation_table(shown.x, words, true).rows)
             for (const std::string* const cell :
                  {&row.error_ulps, &row.cancelled, &row.local_bits, &row.rounding_ulps, &row.contribution_ulps})
                 CHECK_FALSE(std::regex_search(*cell, raw_number()));
@@ -271,11 +273,11 @@ TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
 TEST_CASE("shares, roundings and errors that are not finite are reported as missing") {
     // These may overflow in ways that the tests do not find.
     int said = 0;
-    on_explained_rays(1, 69, [&](const RayQuestion&, const ShownRay& s) {
-        if (s.x.attribution.culprit == no_node) return;
+    on_explained_rays(1, 69, [&](const RayQuestion&, const ShownRay& shown) {
+        if (shown.x.attribution.culprit == no_node) return;
         for (const double odd : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
             for (int what = 0; what < 4; ++what) {
-                Explanation x = s.x;
+                Explanation x = shown.x;
                 measure::attribution::OperationError& e = x.attribution.errors[x.attribution.culprit];
                 if (what == 0) e.contribution = odd;
                 if (what == 1) e.contribution = odd, x.attribution.equal_culprits.push_back(x.attribution.culprit);
@@ -284,7 +286,7 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
                 if (x.culprit_alone) x.culprit_alone->only_exact.error = x.culprit_alone->only_rounded.error = odd;
                 const output::attribution::OperationView words(x);
                 for (const std::string& line : lines_of(output::attribution::culprit_sentence(x) + "\n" +
-                                                        make_verdict(x, s.march).text() + sums_text(x, words))) {
+                                                        make_verdict(x, shown.march).text() + sums_text(x, words))) {
                     INFO(line);
                     CHECK_FALSE(std::regex_search(line, raw_number()));
                     said += line.find("no finite share") != std::string::npos;
@@ -297,20 +299,20 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
 
 TEST_CASE("operations marked as not on the way change neither the decision nor t, whatever their value") {
     int changed = 0;
-    on_explained_rays(1, 68, [&](const RayQuestion& asked, const ShownRay& s) {
+    on_explained_rays(1, 68, [&](const RayQuestion& asked, const ShownRay& shown) {
         if (asked.format.name == std::string("f64")) return;
-        const auto [hit, t, near, far] = s.x.tape.outputs;
-        const output::attribution::OperationView words(s.x);
+        const auto [hit, t, near, far] = shown.x.tape.outputs;
+        const output::attribution::OperationView words(shown.x);
         int place = 0;
-        for (const output::attribution::OperationRow& row : operation_table(s.x, words, true).rows) {
-            if (!row.is_off_path || s.x.tape[row.node].op == TapeOp::call || place++ % 7 != 0) continue;
+        for (const output::attribution::OperationRow& row : operation_table(shown.x, words, true).rows) {
+            if (!row.is_off_path || shown.x.tape[row.node].op == TapeOp::call || place++ % 7 != 0) continue;
             CHECK(row.contribution_ulps.empty());
-            Tape other = s.x.tape;
+            Tape other = shown.x.tape;
             other[row.node] = {.op = TapeOp::input, .format = other[row.node].format, .operands = {0}, .value = 1.5};
             const measure::attribution::Rerun again(other, [](NodeId) { return true; });
             INFO(row.name);
-            CHECK((again[hit] != 0) == s.x.hit);
-            if (s.x.hit) CHECK(same_number(again[t], s.x.tape[t].value));
+            CHECK((again[hit] != 0) == shown.x.hit);
+            if (shown.x.hit) CHECK(same_number(again[t], shown.x.tape[t].value));
             ++changed;
         }
     });
