@@ -76,6 +76,8 @@ Table<GrowthMargin> make_margin_table() {
          [](const GrowthMargin& margin) {
              return measure::choose::margin_end_names[static_cast<std::size_t>(margin.end)];
          }}};
+
+    // The quality at the factor that fails.
     return table.add<FormQuality>(
         {{"wrong", "rays decided wrongly at the failing factor", &FormQuality::wrong},
          {"rays", "number of rays at the failing factor", &FormQuality::rays},
