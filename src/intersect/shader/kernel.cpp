@@ -217,13 +217,13 @@ std::string hlsl_prologue() {
         "#define vec2 float2\n#define vec3 float3\n#define vec4 float4\n#define uintBitsToFloat asfloat\n";
     for (std::size_t k = 0; k < head_members.size(); ++k)
         code += "#define " + std::string(head_members[k]) + " lb_head[" + std::to_string(k) + "]\n";
-    const auto buffer = [&code](const ColumnBuffer& buffer) {
+    const auto declare_buffer = [&code](const ColumnBuffer& buffer) {
         code += "[[vk::binding(" + std::to_string(buffer.binding) + ")]] " + (buffer.is_written ? "RW" : "") +
                 "StructuredBuffer<" + (buffer.holds_integers ? "uint" : "float") + "> " + std::string(buffer.name) +
                 ";\n";
     };
-    buffer({BufferBinding::head, "lb_head", false, true});
-    for (const ColumnBuffer& c : column_buffers) buffer(c);
+    declare_buffer({BufferBinding::head, "lb_head", false, true});
+    for (const ColumnBuffer& c : column_buffers) declare_buffer(c);
     return code + "[numthreads(" + std::to_string(device::group_size) + ", 1, 1)] void " +
            device::entry_of(device::Language::hlsl) + "(uint3 gl_GlobalInvocationID : SV_DispatchThreadID) {\n";
 }

@@ -109,15 +109,15 @@ void add_verdict(Json& json, const Explanation& explanation, const ExplainedVerd
     json["largest_sentence"] = explanation.has_tape() ? Json(culprit_sentence(explanation)) : Json(nullptr);
 
     // The answers if only the culprit were exact, and if only the culprit rounded.
-    const auto counterfactual = [](const measure::attribution::Counterfactual& counterfactual) {
+    const auto counterfactual_json = [](const measure::attribution::Counterfactual& counterfactual) {
         return Json{{"hit", counterfactual.hit},
                     {"error", counterfactual.hit ? json_number(counterfactual.error) : Json(nullptr)}};
     };
     const bool has_counterfactuals = explanation.culprit_alone && verdict.culprit != no_node;
     json["culprit_alone_exact"] =
-        has_counterfactuals ? counterfactual(explanation.culprit_alone->only_exact) : Json(nullptr);
+        has_counterfactuals ? counterfactual_json(explanation.culprit_alone->only_exact) : Json(nullptr);
     json["culprit_alone_rounded"] =
-        has_counterfactuals ? counterfactual(explanation.culprit_alone->only_rounded) : Json(nullptr);
+        has_counterfactuals ? counterfactual_json(explanation.culprit_alone->only_rounded) : Json(nullptr);
 
     json["equals"] = Json::array();
     for (const NodeId i : explanation.attribution.equal_culprits) json["equals"].push_back(text.name(i));
