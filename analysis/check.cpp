@@ -56,7 +56,8 @@ void require_claim_path(const std::string& path, const std::filesystem::path& da
     const std::filesystem::path folder = data / "claims";
     std::vector<std::string> names;
     if (std::filesystem::is_directory(folder, error))
-        for (const auto& claim_file : scene::check::claim_files(folder)) names.push_back(claim_file.stem().string());
+        for (const auto& claim_file : scene::check::list_claim_files(folder))
+            names.push_back(claim_file.stem().string());
     const auto closest_name = text::closest(std::filesystem::path(path).stem().string(), names);
     throw InputError(path + ": no such file or folder; " +
                      (closest_name ? "did you mean \"" + (folder / (*closest_name + ".toml")).string() + "\"?"
@@ -75,7 +76,7 @@ std::vector<Claim> load_claims(const CheckOptions& options, const std::filesyste
     std::set<std::string> ids, other_profiles;
     for (const std::string& claim_path : claim_paths) {
         require_claim_path(claim_path, data);
-        for (const auto& path : scene::check::claim_files(claim_path)) {
+        for (const auto& path : scene::check::list_claim_files(claim_path)) {
             for (Claim& claim : scene::check::read_claims(path)) {
                 if (!ids.insert(claim.id).second)
                     scene::toml::fail(claim.where, "the id \"" + claim.id +
@@ -193,7 +194,7 @@ ExitStatus report_times(const std::vector<Claim>& claims, const std::vector<Clai
 std::vector<std::filesystem::path> input_files(const CheckOptions& options, const std::filesystem::path& data) {
     std::vector<std::filesystem::path> files;
     for (const std::string& path : options.files.empty() ? std::vector{(data / "claims").string()} : options.files)
-        std::ranges::copy(scene::check::claim_files(path), std::back_inserter(files));
+        std::ranges::copy(scene::check::list_claim_files(path), std::back_inserter(files));
     for (const char* folder : {"scenes", "sweeps"}) {
         std::error_code ignored;
         std::vector<std::filesystem::path> folder_files;

@@ -187,17 +187,18 @@ ExitStatus choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer,
                   const CommonOptions& common,
                   std::optional<std::vector<output::choose::RepairedCandidate>> repaired = {}) {
     measure::choose::TimedRays timed_rays;
-    std::optional<measure::choose::MetPixelsByForm> met_pixels;
-    if (request.scene) request.show = met_pixels.emplace(request, request.tested_forms).show();
+    std::optional<measure::choose::PassingPixelsByForm> passing_pixels;
+    if (request.scene) request.show = passing_pixels.emplace(request, request.tested_forms).show();
     const auto measured_candidates = measure_candidates(request, timed_rays);
-    auto requirement_map =
-        met_pixels ? std::optional(make_requirement_map(request, measured_candidates, *met_pixels)) : std::nullopt;
+    auto requirement_map = passing_pixels
+                               ? std::optional(make_requirement_map(request, measured_candidates, *passing_pixels))
+                               : std::nullopt;
 
     auto choice = output::choose::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
     if (choice.cheapest_index && request.scene)
-        choice.offsets = measure::choose::safe_offsets(
+        choice.offsets = measure::choose::find_safe_offsets(
             *request.scene, measured_candidates[*choice.cheapest_index].tested_form, request.limit);
     writer.finish(choice);
     complete_folder(result_folder);

@@ -201,7 +201,7 @@ std::optional<JudgeResult> judge_rays(RayFile& ray_file, JudgeRequest& request, 
 std::vector<Primitive<double>> add_primitives(JudgeRequest& request, const JudgeOptions& options,
                                               const std::optional<scene::file::Scene>& scene, RayFile& ray_file) {
     request.primitives = selection::shared_primitives(options, scene, ray_file.format());
-    if (scene) request.mesh = scene::rays::stored_mesh(*scene, ray_file.format().parameters);
+    if (scene) request.mesh = scene::rays::make_stored_mesh(*scene, ray_file.format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     auto representatives = scene::rays::representatives_of(request.primitives, request.mesh.get());
     selection::transform_by_records(ray_file, representatives);

@@ -215,7 +215,7 @@ Listing scenes(const CommonOptions& common) {
 std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& path,
                                                    const std::filesystem::path& data) {
     const auto describe = [](const auto& file, const auto& axis) { return std::pair(axis(file), file.title); };
-    switch (scene::sweep::sweep_kind(path)) {
+    switch (scene::sweep::read_sweep_kind(path)) {
         case SweepKind::cases:
             return describe(scene::sweep::CaseFile(path),
                             [](const auto& f) { return text::count_with_noun(f.size(), "case"); });
@@ -239,7 +239,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
 
 Listing sweeps(const CommonOptions& common) {
     Listing list{{"name", "axis", "title"}};
-    const auto data = selection::data_folder(common.data), root = scene::toml::folder_of_data(data, "sweeps");
+    const auto data = selection::data_folder(common.data), root = scene::toml::find_data_folder(data, "sweeps");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
         if (entry.path().extension() != ".toml") continue;
         const auto [axis, title] = axis_and_title(entry.path(), data);
@@ -253,8 +253,8 @@ Listing sweeps(const CommonOptions& common) {
 /// that.
 Listing claims(const CommonOptions& common) {
     Listing list{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
-    const auto root = scene::toml::folder_of_data(selection::data_folder(common.data), "claims");
-    for (const auto& path : scene::check::claim_files(root)) {
+    const auto root = scene::toml::find_data_folder(selection::data_folder(common.data), "claims");
+    for (const auto& path : scene::check::list_claim_files(root)) {
         for (const Claim& claim : scene::check::read_claims(path)) {
             list.rows.push_back({claim.id, std::string(name_of(claim.verdict)),
                                  std::string(scene::check::name_of(claim.profile)), claim.subject_name(),

@@ -106,7 +106,7 @@ Subjects select_subjects(const ReportOptions& options, const scene::check::Repor
 
 std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     std::vector<Claim> claims;
-    for (const auto& path : scene::check::claim_files((data / "claims").string())) {
+    for (const auto& path : scene::check::list_claim_files((data / "claims").string())) {
         for (Claim& claim : scene::check::read_claims(path)) {
             if (claim.profile == Claim::Profile::results) claims.push_back(std::move(claim));
         }
@@ -274,7 +274,7 @@ void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const
 /// Plans a sweep along axes or a file of cases that some form can test.
 void plan_sweep(PlannedReport& planned, const std::filesystem::path& path, const std::filesystem::path& data,
                 const ReportForms& forms) {
-    const auto kind = scene::sweep::sweep_kind(path);
+    const auto kind = scene::sweep::read_sweep_kind(path);
     // These kinds have no plots, only numbers, and take long.
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;

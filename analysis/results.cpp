@@ -158,7 +158,7 @@ std::string concatenate(const char* prefix, const std::vector<std::string>& valu
 
 double parse_quantile(const std::string& text) {
     try {
-        return measure::choose::quantile_named(text);
+        return measure::choose::parse_quantile(text);
     } catch (const InputError& error) {
         throw InputError(std::string("--at ") + error.what());
     }

@@ -222,7 +222,7 @@ std::vector<PlannedSweepFile> plan_sweeps(const SweepOptions& options, const std
     std::vector<PlannedSweepFile> sweeps;
     for (const std::string& name : options.sweeps) {
         const auto path = scene::sweep::find_sweep(name, data);
-        const auto kind = scene::sweep::sweep_kind(path);
+        const auto kind = scene::sweep::read_sweep_kind(path);
         for (const PlannedSweepFile& other : sweeps) {
             if (other.path.stem() == path.stem())
                 throw InputError(

@@ -26,7 +26,7 @@ namespace {
 
 std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& path, const std::string& data,
                                                    CallSelection& chosen, CallSettings& settings) {
-    if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
+    if (scene::sweep::read_sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
                          "sweep` measures those");
@@ -135,7 +135,7 @@ measure::choose::Requirement parse_requirement(const lostbits_requirement& requi
     measure::choose::Requirement result{
         .bits = requirement.bits,
         .wrong = requirement.wrong,
-        .quantile = measure::choose::quantile_named(requirement.at ? requirement.at : default_at)};
+        .quantile = measure::choose::parse_quantile(requirement.at ? requirement.at : default_at)};
     if (requirement.tolerance >= 0) result.tolerance = requirement.tolerance;
     return result;
 }

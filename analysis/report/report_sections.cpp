@@ -212,7 +212,7 @@ output::report::MapSection measure_map_section(PlannedMap& planned, measure::met
 }
 
 SweepSection measure_sweep_section(const PlannedSweep& planned, StopToken stop) {
-    SweepSection section = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
+    SweepSection section = scene::sweep::read_sweep_kind(planned.path) == scene::sweep::SweepKind::cases
                                ? measure_case_section(planned, stop)
                                : measure_axes_section(planned, stop);
     section.json["named"] = selection::sweep_argument(planned.path, planned.data);

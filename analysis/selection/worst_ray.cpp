@@ -77,7 +77,7 @@ std::size_t index_among(const std::vector<RayGroup>& groups, const WorstRay& ray
 RayGroup pick_ray(std::vector<RayGroup> groups, int rays_per_group, int ray_index) {
     RayGroup& group = groups[ray_index / rays_per_group];
     const auto index = static_cast<std::size_t>(ray_index % rays_per_group);
-    RayGroup single_ray = scene::rays::group_of(group.rays[index]);
+    RayGroup single_ray = scene::rays::make_group(group.rays[index]);
     single_ray.primitives = std::move(group.primitives);
     single_ray.rays.push_range(group.rays, index);
     return single_ray;

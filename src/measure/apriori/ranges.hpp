@@ -40,8 +40,8 @@ struct BoundQuery {
 /// Observes the errors of rays with these inputs, all of which lie in the ranges.
 ObservedErrors observe_errors(const BoundQuery& query, const std::vector<std::vector<double>>& rays);
 
-/// Draws inputs in the `boxes` boxes with the largest bounds, `rays_per_box` in each box. Each number is a number of
-/// the format.
+/// Draws inputs in the `box_count` boxes with the largest bounds, `rays_per_box` in each box. Each number is a number
+/// of the format.
 std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t box_count, int rays_per_box);
 
 /// A range that replaces the scene's for the input of this name (`intersect::table::input_names`).

@@ -268,7 +268,7 @@ private:
     }
 
     void choose_culprit() {
-        attribution_.equal_culprits = culprit_and_equals(tape_, attribution_);
+        attribution_.equal_culprits = find_culprit_and_equals(tape_, attribution_);
         if (attribution_.equal_culprits.empty()) return;
         attribution_.culprit = attribution_.equal_culprits.front();
         if (!(std::fabs(error_of(attribution_.culprit).contribution) > 0)) return attribution_.equal_culprits.clear();

@@ -191,9 +191,9 @@ void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const
     }
 }
 
-std::vector<OneRay> pixels_around(const ScenePixel& pixel, const scene::file::Scene& scene,
-                                  std::optional<intersect::Touching> touching) {
-    std::vector<OneRay> rays = OneRay::pixels_around(scene, pixel.x, pixel.y, pixel.limit);
+std::vector<OneRay> make_pixels_around(const ScenePixel& pixel, const scene::file::Scene& scene,
+                                       std::optional<intersect::Touching> touching) {
+    std::vector<OneRay> rays = OneRay::make_pixels_around(scene, pixel.x, pixel.y, pixel.limit);
     for (OneRay& ray : rays) ray.set_touching(touching);
     return rays;
 }
@@ -210,10 +210,10 @@ void find_better_generators(Explanation& explanation, const OneRay& ray, const S
     const Intersector& form = scene::rays::strip_generator(*explanation.form);
     if (form.is_set() || form.has_transform_method) return;
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
-        if (&generator == pixel.scene->camera.rays) continue;
+        if (&generator == pixel.scene->camera.ray_generator) continue;
         try {
             const scene::file::Scene scene = with_ray_generator(*pixel.scene, generator);
-            const auto rays = pixels_around(pixel, scene, ray.touching());
+            const auto rays = make_pixels_around(pixel, scene, ray.touching());
             const FormResult result =
                 evaluate_other_form(explanation, ray, scene::rays::with_generator(generator, form), rays.front(),
                                     nearby_pixels(explanation, rays));
@@ -228,7 +228,7 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
                                                       const std::optional<scene::rays::RecordedRay>& recorded_ray,
                                                       int true_primitive) {
     TruePrimitive result{.index = true_primitive,
-                         .ray_and_primitive = scene::rays::group_of(in.format_inputs.rays[in.index])};
+                         .ray_and_primitive = scene::rays::make_group(in.format_inputs.rays[in.index])};
     const auto index = static_cast<std::size_t>(true_primitive);
     result.ray_and_primitive.primitives = {in.format_inputs.primitives[index]};
     result.ray_and_primitive.rays.push_range(in.format_inputs.rays, in.index);
@@ -255,7 +255,7 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
 /// The true t of the ray under another range; nothing if it misses.
 std::optional<double> true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
                                       const intersect::Info& info) {
-    scene::rays::RayGroup group = scene::rays::group_of(in.format_inputs.rays[in.index]);
+    scene::rays::RayGroup group = scene::rays::make_group(in.format_inputs.rays[in.index]);
     group.rays.tmin = {range.tmin};
     group.rays.tmax = {range.tmax};
     group.rays.open_ends = range.open_ends;
@@ -293,7 +293,7 @@ std::vector<answer::OneRay> make_neighbours(const answer::OneRay& ray, const ans
         for (Vec<double>* const v : {&neighbour.origin, &neighbour.direction}) {
             for (double* const number : {&v->x, &v->y, &v->z}) *number = move_by_ulps(*number, moves.next(), format);
         }
-        scene::rays::RayGroup group = scene::rays::group_of(neighbour);
+        scene::rays::RayGroup group = scene::rays::make_group(neighbour);
         group.rays.push_range(in.format_inputs.rays, in.index);
         group.primitives = primitives;
         group.march = in.format_inputs.march;
@@ -337,7 +337,7 @@ bool Explanation::rounding_changed_order() const {
     return !attribution.is_exact_hit || missed_primitive->exact_t < attribution[tape.outputs.t].exact;
 }
 
-std::vector<NodeId> Explanation::changed_decisions() const {
+std::vector<NodeId> Explanation::find_changed_decisions() const {
     std::vector<NodeId> nodes;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
@@ -470,7 +470,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         const auto neighbour_rays = make_neighbours(ray, in, format.parameters, primitives);
         compare_with_other_forms(explanation, ray, {neighbour_rays}, named_forms);
     } else {
-        const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());
+        const auto pixels = make_pixels_around(*pixel, *pixel->scene, ray.touching());
         const NearbyRays nearby_rays = nearby_pixels(explanation, pixels);
         explanation.nearby_pixel_count = static_cast<int>(nearby_rays.rays.size());
         compare_with_other_forms(explanation, ray, nearby_rays, named_forms);

@@ -26,7 +26,7 @@ public:
         request_.tested_form = tested_form_for(claim, scene_);
         request_.requirement = {.bits = subject.requirement.bits, .wrong = subject.requirement.wrong};
         request_.requirement.quantile =
-            find_for_claim(claim, [&] { return choose::quantile_named(subject.requirement.at); });
+            find_for_claim(claim, [&] { return choose::parse_quantile(subject.requirement.at); });
         request_.limit.stop = run.stop;
         measurer_.emplace(request_);
         tape_ = find_for_claim(claim, [&] { return repair::record_tape(request_); });

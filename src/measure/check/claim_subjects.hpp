@@ -95,7 +95,7 @@ void require_proof(ClaimResult& result, std::uint64_t unproved, const char* sing
 /// The format of a claim. Throws InputError for an unknown name.
 Format claim_format(const scene::check::Claim& claim);
 
-/// Index of a row in `rows`, to which the row is added if it is new.
+/// Index of a tested form in `tested_forms`, to which it is added if it is new.
 inline std::size_t find_or_add_tested_form(std::vector<evaluate::TestedForm>& tested_forms,
                                            const evaluate::TestedForm& tested_form) {
     const auto found = std::ranges::find(tested_forms, tested_form);

@@ -162,7 +162,7 @@ void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run)
     const Claim& first_claim = claims.front().claim;
     const std::string& subject_name = first_claim.subject_name();
     const auto path = find_for_claim(first_claim, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
-    switch (scene::sweep::sweep_kind(path)) {
+    switch (scene::sweep::read_sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
         case SweepKind::search:
         case SweepKind::edge_search:
@@ -277,7 +277,7 @@ ClaimResult judge_worst(const Claim& claim, const sweep::WorstResult& worst) {
     const bool is_right = worst.outcome == answer::Outcome::agree_hit;
     ClaimResult result = judge(claim, is_right ? worst.value : std::numeric_limits<double>::infinity(), nullptr);
     result.evaluations = worst.evaluations;
-    scene::rays::RayGroup group = scene::rays::group_of(worst.ray);
+    scene::rays::RayGroup group = scene::rays::make_group(worst.ray);
     group.primitives = {worst.primitive};
     result.witness = {.x = 0,
                       .y = 0,
@@ -295,7 +295,7 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
     const Claim& first_claim = claims.front().claim;
     const std::string& subject_name = first_claim.subject_name();
     const auto path = find_for_claim(first_claim, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
-    const auto kind = scene::sweep::sweep_kind(path);
+    const auto kind = scene::sweep::read_sweep_kind(path);
     if (kind == scene::sweep::SweepKind::edge_search) return measure_census(claims, path, run);
     if (kind != scene::sweep::SweepKind::search)
         scene::toml::fail(first_claim.where,

@@ -129,7 +129,7 @@ ChoiceRequest make_request(const Claim& claim, const OtherForms& others, const S
                            intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
     request.requirement = {.bits = others.requirement.bits, .wrong = others.requirement.wrong};
-    request.requirement.quantile = find_for_claim(claim, [&] { return choose::quantile_named(others.requirement.at); });
+    request.requirement.quantile = find_for_claim(claim, [&] { return choose::parse_quantile(others.requirement.at); });
     request.limit.stop = request.plan.stop = stop;
     return request;
 }

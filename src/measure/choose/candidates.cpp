@@ -15,7 +15,7 @@ namespace lostbits::measure::choose {
 
 using evaluate::TestedForm;
 
-double quantile_named(const std::string& text) {
+double parse_quantile(const std::string& text) {
     if (text == "max") return 1;
     double percent = 0;
     const char* const end = text.data() + text.size();
@@ -166,7 +166,8 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidate
         candidates, [](const Candidate&) { return true; }, is_more_accurate);
 }
 
-std::optional<std::size_t> nearest_candidate(const std::vector<Candidate>& candidates, const Requirement& requirement) {
+std::optional<std::size_t> find_nearest_candidate(const std::vector<Candidate>& candidates,
+                                                  const Requirement& requirement) {
     const auto nearest_deciding = least_of(
         candidates,
         [&requirement](const Candidate& candidate) { return candidate.quality.decides_as_required(requirement); },

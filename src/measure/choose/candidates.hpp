@@ -30,7 +30,7 @@ struct Requirement {
 };
 
 /// Converts `p99`, `p99.9` or `max` to a quantile. Throws InputError for any other text.
-double quantile_named(const std::string& text);
+double parse_quantile(const std::string& text);
 
 /// Measurements of a form, as far as a requirement needs them.
 struct FormQuality {
@@ -119,6 +119,7 @@ std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidate
 /// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
 /// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
 /// error. If none has few enough wrong decisions, it is the one with the fewest.
-std::optional<std::size_t> nearest_candidate(const std::vector<Candidate>& candidates, const Requirement& requirement);
+std::optional<std::size_t> find_nearest_candidate(const std::vector<Candidate>& candidates,
+                                                  const Requirement& requirement);
 
 }  // namespace lostbits::measure::choose

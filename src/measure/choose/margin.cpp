@@ -191,7 +191,7 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
             return measure_scene(request, tested_form, small_scene, growth, factor);
         };
     } else {
-        measure_at = [&, rays = exact_rays(request.rays->sample)](Growth growth, double factor) {
+        measure_at = [&, rays = make_ideal_rays(request.rays->sample)](Growth growth, double factor) {
             return measure_rays(request, tested_form, rays, growth, factor);
         };
     }
@@ -203,8 +203,8 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
     return margins;
 }
 
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
-                                        truth::ProofLimit limit, int pixels) {
+std::optional<SafeOffsets> find_safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
+                                             truth::ProofLimit limit, int pixels) {
     constexpr std::size_t max_tests = 1 << 16;
     constexpr std::size_t max_near_triangles = 64;  // each point is tested against at most this many
     const std::size_t face_count = scene.mesh ? scene.mesh->faces.size() : 0,

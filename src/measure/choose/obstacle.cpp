@@ -192,7 +192,7 @@ void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& r
         static_cast<int>(std::clamp<std::size_t>(max_trial_pairs / primitive_count, 64, 65536));
     rays.scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
     rays.band.emplace(*rays.scene, 0, rays.scene->height, request.limit);
-    if (primitive_count <= max_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
+    if (primitive_count <= max_primitives && !request.scene->flake) rays.ideal = make_ideal_rays(*rays.scene);
 }
 
 void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {
@@ -202,7 +202,7 @@ void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& r
     const auto smaller_sample =
         sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels), affordable_rays));
     rays.band.emplace(smaller_sample, request.limit);
-    rays.ideal = exact_rays(smaller_sample);
+    rays.ideal = make_ideal_rays(smaller_sample);
 }
 
 }  // namespace
@@ -225,7 +225,8 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
     // Tries wider inputs with exact arithmetic.
     obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;
     obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
-    if (!rays.ideal.primitives.empty() && reached.hits > 0) Trials(request, tested_form, rays.ideal, obstacle).run();
+    if (!rays.ideal.primitives.empty() && reached.hits > 0)
+        Trials(request, tested_form, rays.ideal, obstacle).run();
 
     // If every format gets the same stored inputs, those inputs are compared with themselves. Otherwise the first
     // trial, in which no input is wide, has the inputs that the row gets.

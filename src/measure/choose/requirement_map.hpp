@@ -13,9 +13,9 @@ namespace lostbits::measure::choose {
 /// Pixels at which a row meets the requirement: its decision is right and, if the ray hits, t keeps the required bits
 /// within the tolerance. The requirement's shares (`wrong`, `quantile`) are about many pixels and do not apply to one
 /// pixel. The metrics of the map must be those of the requirement.
-class MetPixels {
+class PassingPixels {
 public:
-    MetPixels(std::size_t pixels, const Requirement& requirement, int precision)
+    PassingPixels(std::size_t pixels, const Requirement& requirement, int precision)
         : requirement_(requirement), precision_(precision), meets_(pixels), unresolved_(pixels) {}
 
     void add_band(const evaluate::BandResult& result);
@@ -30,10 +30,10 @@ private:
     std::vector<bool> meets_, unresolved_;
 };
 
-/// One `MetPixels` for each row of the request, in the form that `run_map` takes.
-struct MetPixelsByForm {
-    std::vector<MetPixels> rows;
-    explicit MetPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& forms);
+/// One `PassingPixels` for each row of the request, in the form that `run_map` takes.
+struct PassingPixelsByForm {
+    std::vector<PassingPixels> rows;
+    explicit PassingPixelsByForm(const ChoiceRequest& request, const std::vector<evaluate::TestedForm>& forms);
     [[nodiscard]] evaluate::ShowForms show() { return evaluate::show_to_each(rows); }
 };
 
@@ -58,9 +58,9 @@ struct RequirementMap {
     [[nodiscard]] double min_time(const std::vector<Candidate>& candidates) const;
 };
 
-/// `met_pixels` belongs to the request's forms, in their order, and is already filled. `untimed_forms` are in
+/// `passing_pixels` belongs to the request's forms, in their order, and is already filled. `untimed_forms` are in
 /// emulated formats and have no time: they are measured here, and only the members about formats depend on them.
 RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
-                                    const MetPixelsByForm& met_pixels);
+                                    const PassingPixelsByForm& passing_pixels);
 
 }  // namespace lostbits::measure::choose

@@ -218,7 +218,7 @@ void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {
         const ReversedRays& segment = found.segments[k];
         const CheckResult result = compare_chords(band_form, segment, k, forth, back, out.apart[i], out.excess[i]);
         out.set(i, result, [&] {
-            TwoRays two_rays{i, scene::rays::group_of(segment.forth), scene::rays::group_of(segment.back)};
+            TwoRays two_rays{i, scene::rays::make_group(segment.forth), scene::rays::make_group(segment.back)};
             two_rays.first.primitives = two_rays.second.primitives = {segment.primitive};
             return two_rays;
         });

@@ -171,7 +171,7 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
 
         out.set(i, result, [&] {
             TwoRays two_rays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
-                             scene::rays::group_of(band_form.inputs.rays[i])};
+                             scene::rays::make_group(band_form.inputs.rays[i])};
             if (converted.size() <= truth::Band::max_original_primitives) two_rays.second.primitives = converted;
             return two_rays;
         });

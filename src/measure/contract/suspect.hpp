@@ -50,7 +50,7 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 /// - the primitive, or t, is in other units;
 /// - hit is inverted.
 ///
-/// `more_misses`: number of right misses in addition to those in `rays`.
+/// `more_miss_count`: number of right misses in addition to those in `rays`.
 std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
                            std::uint64_t more_miss_count = 0);
 

@@ -35,8 +35,8 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& test
         }
         needs.stored_truth = (metric_needs & metric::needs_stored_truth) != 0;
         const truth::Length length = truth::length_of(tested_form.form->info->direction);
-        if (metric_needs & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
-        if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
+        if (metric_needs & metric::needs_reach) needs.add_reach(truth::Perturbation::componentwise, length);
+        if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbation::normwise, length);
     }
     for (const auto& [name, needs] : needs_by_format) inputs_.emplace(name, band.inputs(*find_format(name), needs));
 
@@ -191,7 +191,7 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
         }
 
         // The rays as they are given.
-        if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
+        if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.ray_generator)) {
             std::optional<culling::Culler> culler;
             if (rays.mesh) culler.emplace(scene::rays::primitive_list_of(rays), rays.rays);
             Band band(rays, limit, culler ? &*culler : nullptr);

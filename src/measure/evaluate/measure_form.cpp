@@ -240,11 +240,11 @@ private:
 
         // Sensitivity of the truth to the inputs.
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
-        const auto reach = [&](truth::Perturbed inputs) {
+        const auto reach = [&](truth::Perturbation inputs) {
             return result_.band->reach(i, row_.convention(), info.direction, in, inputs);
         };
-        if (needs_ & metric::needs_reach) sample.reach = reach(truth::Perturbed::componentwise);
-        if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
+        if (needs_ & metric::needs_reach) sample.reach = reach(truth::Perturbation::componentwise);
+        if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbation::normwise);
 
         // The form without rounding, the operations to blame, and the form's own statements.
         std::optional<truth::CertifiedNumber> unrounded;

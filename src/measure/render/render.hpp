@@ -120,7 +120,7 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
 struct FormatRenderInputs {
     truth::FormatInputs geometry;
     StoredAppearance<double> appearance;
-    std::vector<Vec<double>> points;  ///< points of the pixels in the plane z = 0; empty under other cameras
+    std::vector<Vec<double>> points;  ///< points of the pixels in the plane z = 0; empty for other cameras
 };
 
 /// Inputs that all forms share on a band.

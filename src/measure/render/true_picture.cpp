@@ -124,7 +124,7 @@ public:
           points_(pixel_points<S>(scene, band.y0(), band.y0() + band.scanlines())) {
         if constexpr (std::is_same_v<S, double>) {
             rays_ = scene::rays::make_shared_rays(scene, band.y0(), band.y0() + band.scanlines());
-            primitives_ = scene::rays::shared_primitives(scene);
+            primitives_ = scene::rays::make_shared_primitives(scene);
             appearance_ = shared_appearance(scene.appearance);
         } else {
             rays_ = scene::rays::make_own_rays(scene, band.y0(), band.y0() + band.scanlines());

@@ -200,7 +200,7 @@ public:
     SymmetricSearch(const RepairResult& result, const RepairRequest& request, QualityMeasurer& measurer,
                     std::vector<Probe*> probes)
         : result_(result), request_(request), measurer_(measurer), probes_(std::move(probes)) {
-        const auto example = request.scene ? scene::rays::shared_primitives(*request.scene).front()
+        const auto example = request.scene ? scene::rays::make_shared_primitives(*request.scene).front()
                                            : request.rays->sample.primitives.front();
         groups_ = find_exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
     }

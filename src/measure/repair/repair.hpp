@@ -136,8 +136,8 @@ Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& ope
 /// Sample of the rays of a request, with the true answers.
 class RaySample {
 public:
-    /// Takes about `rays` rays, evenly over the picture or the file. Each ray comes with the primitive that it truly
-    /// hits, or with the first one.
+    /// Takes about `ray_count` rays, evenly over the picture or the file. Each ray comes with the primitive that it
+    /// truly hits, or with the first one.
     explicit RaySample(const RepairRequest& request, int ray_count = 64);
 
     /// Counts, for each operation of a tape, the rays of the sample on which it is the culprit.

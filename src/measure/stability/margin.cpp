@@ -283,9 +283,9 @@ private:
 }  // namespace
 
 Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
-                   Perturbed perturbed, intersect::Convention convention, Range<double> range) {
+                   Perturbation perturbation, intersect::Convention convention, Range<double> range) {
     if (!is_valid(ray) || !is_valid(primitive)) return {0, 0};
-    const MarginQuestion question(ray, primitive, perturbed, convention, range);
+    const MarginQuestion question(ray, primitive, perturbation, convention, range);
     Decision decision(question, counted);
     const double proved =
         largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
@@ -297,10 +297,10 @@ Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, C
 }
 
 std::optional<bool> changes_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
-                                   CountedChange counted, Perturbed perturbed, intersect::Convention convention,
+                                   CountedChange counted, Perturbation perturbation, intersect::Convention convention,
                                    Range<double> range) {
     if (!is_valid(ray) || !is_valid(primitive)) return std::nullopt;
-    const MarginQuestion question(ray, primitive, perturbed, convention, range);
+    const MarginQuestion question(ray, primitive, perturbation, convention, range);
     Decision decision(question, counted);
     if (decision.holds(epsilon)) return false;
     return decision.find_change(epsilon) ? std::optional(true) : std::nullopt;
@@ -332,7 +332,7 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
         if (ray_gap > 8 * least) break;
         const Primitive<double> primitive = primitives[i];
         if (!is_valid(ray) || !is_valid(primitive)) continue;
-        const MarginQuestion question(ray, primitive, Perturbed::componentwise, convention, range);
+        const MarginQuestion question(ray, primitive, Perturbation::componentwise, convention, range);
         Decision decision(question, CountedChange::root);
         if (least < HUGE_VAL && decision.holds(least)) continue;
         const double margin =
@@ -367,16 +367,16 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
 }  // namespace
 
 double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
-                       Perturbed perturbed, intersect::Convention convention, Range<double> range) {
-    const Margin margin = find_margin(ray, primitive, counted, perturbed, convention, range);
+                       Perturbation perturbation, intersect::Convention convention, Range<double> range) {
+    const Margin margin = find_margin(ray, primitive, counted, perturbation, convention, range);
     return margin.is_tight() ? margin.proved : missing;
 }
 
-double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t, Perturbed perturbed,
+double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t, Perturbation perturbation,
                       intersect::Convention convention, Range<double> range) {
     if (!(t > 0)) return std::nan("");
     if (!is_valid(ray) || !is_valid(primitive) || std::isinf(t)) return 0;
-    const MarginQuestion question(ray, primitive, perturbed, convention, range);
+    const MarginQuestion question(ray, primitive, perturbation, convention, range);
     const Near enclosed_t(question.to_problem_units(t));
     return largest_epsilon([&](double epsilon) {
         return question.holds_for_all_within(epsilon, [&](const auto& enclosed_ray, const auto& enclosed_primitive,

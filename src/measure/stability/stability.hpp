@@ -14,7 +14,7 @@
 
 namespace lostbits::measure::stability {
 
-using truth::Perturbed;
+using truth::Perturbation;
 
 /// Changes that count: only of hit or miss, or also of the root that is hit.
 enum class CountedChange : std::uint8_t { decision, root };
@@ -39,20 +39,21 @@ struct Margin {
 /// Relative change within which the answer is the same, for every problem: each number x of ray and primitive changes
 /// by at most ε|x| (`componentwise`), or each vector and length v by ε|v| (`normwise`). `proved` is at most 1/2.
 Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive,
-                   CountedChange counted = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
+                   CountedChange counted = CountedChange::root, Perturbation perturbation = Perturbation::componentwise,
                    intersect::Convention convention = {}, Range<double> range = {});
 
 /// The proved margin; NaN if it is below 2^-10 and no change of at most twice its size is found that changes the
 /// answer.
 double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive,
-                       CountedChange counted = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
-                       intersect::Convention convention = {}, Range<double> range = {});
+                       CountedChange counted = CountedChange::root,
+                       Perturbation perturbation = Perturbation::componentwise, intersect::Convention convention = {},
+                       Range<double> range = {});
 
 /// Decides whether a change of at most ε changes the answer: true with an example, false with a proof, otherwise
 /// nothing.
 std::optional<bool> changes_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
                                    CountedChange counted = CountedChange::root,
-                                   Perturbed perturbed = Perturbed::componentwise,
+                                   Perturbation perturbation = Perturbation::componentwise,
                                    intersect::Convention convention = {}, Range<double> range = {});
 
 /// Index of the primitive with the least margin, for a ray that misses all of them.
@@ -62,7 +63,7 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
 /// Lower bound of the backward error of t: for a ray that hits, no problem within a relative change of ε has the answer
 /// t. At most 1/2; 0 if t is right or if nothing can be proved. NaN for a t that is not above 0.
 double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t,
-                      Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
+                      Perturbation perturbation = Perturbation::componentwise, intersect::Convention convention = {},
                       Range<double> range = {});
 
 using attribution::Attribution;

@@ -35,7 +35,7 @@ inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::fals
                                                           {answer::Outcome::out_of_order}}};
 /// True for an event that can happen if a ray has only one primitive to hit.
 inline constexpr bool is_of_one_primitive(const FirstEvent& event) {
-    return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_primitive;
+    return static_cast<std::size_t>(event.outcome) < answer::single_primitive_outcome_count;
 }
 
 /// Counts of a form on one ray over consecutive floats. A float is identified by its index among all floats

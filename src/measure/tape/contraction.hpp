@@ -17,7 +17,7 @@ Tape contract_tape(const Tape& tape);
 /// Returns the form `FORM+fma`: the contracted operations of a form, in every arithmetic. Without rounding it equals
 /// the form. Its kernels run the operations one by one over columns: they give the bits of compiled code, but not its
 /// speed. Each form is created once and kept. Throws InputError as `record_tape` does, and for a form with a transform
-/// method method, because the transform comes last in a name.
+/// method, because the transform comes last in a name.
 const intersect::table::Intersector& contracted_form(const intersect::table::Intersector& form);
 
 /// True for a form that `contracted_form` created.

@@ -50,7 +50,8 @@ public:
     /// miss. `inputs` gives the format, and the answer if it holds one. The unit is the power of two of this t, or
     /// distance.
     [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction direction,
-                               const FormatInputs& inputs, Perturbed perturbed = Perturbed::componentwise) const;
+                               const FormatInputs& inputs,
+                               Perturbation perturbation = Perturbation::componentwise) const;
     /// Inputs of one format; computed in parallel over the pixels.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
     /// Only the inputs that a form needs.
@@ -107,7 +108,7 @@ private:
     [[nodiscard]] double measure_condition(std::size_t i, Truth::Decision decision, int primitive_index,
                                            intersect::Convention convention) const;
     [[nodiscard]] double measure_reach(std::size_t i, const Truth& ray_truth, intersect::Convention convention,
-                                       Length length, const FloatFormat& format, Perturbed perturbed) const;
+                                       Length length, const FloatFormat& format, Perturbation perturbation) const;
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;

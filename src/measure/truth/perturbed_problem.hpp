@@ -71,18 +71,18 @@ struct ValueInterval {
 class ProblemNumbers {
 public:
     template <class S>
-    ProblemNumbers(const Ray<S>& r, const Primitive<S>& primitive, const FloatFormat& format, Perturbed perturbation,
+    ProblemNumbers(const Ray<S>& r, const Primitive<S>& primitive, const FloatFormat& format, Perturbation perturbation,
                    Length length)
         : matrix_begin_(primitive_begin + row_of(primitive.shape).number_count),
           count_(matrix_begin_ + (primitive.transform ? Affine<S>::numbers : 0)),
           shape_(primitive.shape),
-          is_normwise_(perturbation == Perturbed::normwise),
+          is_normwise_(perturbation == Perturbation::normwise),
           is_distance_(length == Length::distance) {
         const auto exact_number = [&](std::size_t i) {
             return i < direction_begin   ? r.origin[static_cast<int>(i)]
                    : i < primitive_begin ? r.direction[static_cast<int>(i - direction_begin)]
                    : i < matrix_begin_   ? primitive.numbers[i - primitive_begin]
-                                         : primitive.transform->matrix[place_in_matrix(i - matrix_begin_)];
+                                         : primitive.transform->matrix[index_in_matrix(i - matrix_begin_)];
         };
         if (primitive.transform) transform_ = convert_numbers(*primitive.transform, [](const S&) { return 0; });
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
@@ -286,7 +286,7 @@ class PerturbedProblem : public ProblemNumbers {
         if (!transform_) return;
         target.transform = convert_numbers(*transform_, [](int) { return T(0); });
         for (std::size_t i = matrix_begin_; i < count_; ++i)
-            target.transform->matrix[place_in_matrix(i - matrix_begin_)] = number(i);
+            target.transform->matrix[index_in_matrix(i - matrix_begin_)] = number(i);
     }
 
 public:

@@ -120,7 +120,7 @@ std::string remaining_error_text(const Explanation& explanation, const Operation
     double smallest_contribution = std::fabs(view.error_of(attribution.culprit).contribution);
     for (const NodeId i : attribution.equal_culprits)
         smallest_contribution = std::min(smallest_contribution, std::fabs(view.error_of(i).contribution));
-    const auto other_operations = largest_contributions(explanation.tape, attribution, smallest_contribution);
+    const auto other_operations = find_largest_contributions(explanation.tape, attribution, smallest_contribution);
 
     const std::string remaining_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
     if (remaining_ulps.empty()) return undo_clause;

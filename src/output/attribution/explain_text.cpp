@@ -285,7 +285,7 @@ std::string rounding_part_sentence(const Explanation& explanation, const Operati
 
 std::string changed_decisions_text(const Explanation& explanation, const OperationView& view) {
     std::string text;
-    for (const NodeId i : explanation.changed_decisions()) {
+    for (const NodeId i : explanation.find_changed_decisions()) {
         const TapeNode& node = explanation.tape[i];
         if (!is_comparison(node.op)) {
             const double distance = std::fabs(view.error_of(i).rounding);

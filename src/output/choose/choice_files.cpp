@@ -24,8 +24,8 @@ ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const s
     if (result.cheapest_index)
         result.margins = find_margins(quiet_request, candidates[*result.cheapest_index].tested_form);
     else
-        result.obstacle =
-            find_obstacle(quiet_request, candidates[*nearest_candidate(candidates, request.requirement)].tested_form);
+        result.obstacle = find_obstacle(
+            quiet_request, candidates[*find_nearest_candidate(candidates, request.requirement)].tested_form);
     return result;
 }
 

@@ -232,7 +232,7 @@ std::string chosen_candidate_text(const ChoiceResult& result, const Candidate& c
 
 std::string nothing_meets_text(const ChoiceResult& result) {
     const Candidate& nearest =
-        result.candidates[*measure::choose::nearest_candidate(result.candidates, result.request.requirement)];
+        result.candidates[*measure::choose::find_nearest_candidate(result.candidates, result.request.requirement)];
     const int precision = nearest.tested_form.format.parameters.precision;
     std::string text =
         fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", candidate_name(nearest),

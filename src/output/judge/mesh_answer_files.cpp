@@ -98,7 +98,7 @@ std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result) {
 std::string answer_arguments(const JudgedAnswer& answer, bool is_point) {
     const Vec<double>& origin = answer.ray.origin;
     if (is_point) return file::number_list(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
-    scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
+    scene::rays::RayGroup group = scene::rays::make_group(answer.ray);
     group.rays.tmin = {answer.range.tmin};
     group.rays.tmax = {answer.range.tmax};
     group.rays.open_ends = answer.range.open_ends;

@@ -99,7 +99,7 @@ table::TableColumn<FloatsRow> count_column() {
 Table<FloatsRow> make_outcome_columns(const ExhaustiveRequest& request) {
     Table<FloatsRow> table{count_column()};
     const std::size_t outcome_count =
-        request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_primitive;
+        request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::single_primitive_outcome_count;
     for (std::size_t o = 0; o < outcome_count; ++o)
         table.add({std::string(measure::answer::outcome_names[o]), "floats with this outcome",
                    [o](const FloatsRow& row) { return row.tally.outcomes[o]; }});

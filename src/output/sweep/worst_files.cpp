@@ -78,7 +78,7 @@ struct WorstRow {
 };
 
 scene::rays::RayGroup make_worst_group(const WorstResult& worst) {
-    scene::rays::RayGroup group = scene::rays::group_of(worst.ray);
+    scene::rays::RayGroup group = scene::rays::make_group(worst.ray);
     group.primitives = {worst.primitive};
     return group;
 }
@@ -244,7 +244,7 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
 
 void NearestWriter::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
-        const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
+        const scene::rays::RayGroup group = scene::rays::make_group(nearest.ray);
         return attribution::explain_command(scene_argument + " " + attribution::explain_ray_arguments(&group),
                                             request.tested_forms[r]);
     };

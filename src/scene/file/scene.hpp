@@ -56,7 +56,7 @@ struct Camera {
     std::optional<CameraProjection> projection = {};  ///< pinhole
     /// Ray generator, which makes the rays in each format from the camera's stored numbers. Null: each format rounds
     /// the ideal rays.
-    const camera::RayGenerator* rays = nullptr;
+    const camera::RayGenerator* ray_generator = nullptr;
 };
 
 struct Scene {

@@ -49,7 +49,7 @@ Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
 
 }  // namespace
 
-CameraNumbers<Real> camera_numbers(const Scene& scene) {
+CameraNumbers<Real> compute_camera_numbers(const Scene& scene) {
     const CameraFrame<Real> frame = make_frame<Real>(scene);
     const CameraProjection& planes = scene.camera.projection.value();
     using DepthRange = CameraProjection::DepthRange;
@@ -79,9 +79,11 @@ CameraNumbers<Real> camera_numbers(const Scene& scene) {
 }
 
 GeneratedRays::GeneratedRays(const Scene& scene)
-    : generator_(scene.camera.rays), frame_(make_frame<Real>(scene)), numbers_(camera_numbers(scene)) {}
+    : generator_(scene.camera.ray_generator),
+      frame_(make_frame<Real>(scene)),
+      numbers_(compute_camera_numbers(scene)) {}
 
-BasicRayBlock<Real> GeneratedRays::ideal(int y0, int y1) const {
+BasicRayBlock<Real> GeneratedRays::make_ideal_rays(int y0, int y1) const {
     BasicRayBlock<Real> block;
     block.width = numbers_.width;
     block.y0 = y0;
@@ -117,7 +119,7 @@ RayBlock GeneratedRays::generate(camera::MakeRays<T> make_rays, const FloatForma
     return block;
 }
 
-RayBlock GeneratedRays::rounded_rays(const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::make_rounded_rays(const FloatFormat& format, int y0, int y1) const {
     if (format == binary32) return generate<float>(generator_->f32, format, y0, y1);
     if (format == binary64) return generate<double>(generator_->f64, format, y0, y1);
     const CurrentFormat::Scope scope(format);
@@ -139,7 +141,7 @@ std::vector<bool> find_used_nodes(const Tape& tape, const std::array<NodeId, 6>&
 
 }  // namespace
 
-RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates pixel) const {
+RecordedRay GeneratedRays::record_ray(const Format& format, camera::PixelCoordinates pixel) const {
     Tape tape;
     const auto ray = generator_->record(format, stored_numbers(format.parameters), pixel, tape);
 

@@ -327,7 +327,7 @@ void require_no_misspelt_tables(const Node& root) {
 
 }  // namespace
 
-SweepKind sweep_kind(const std::filesystem::path& path) {
+SweepKind read_sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     if (TableReader file(root); file.has("schema")) {
         toml::require_schema(file, sweep_schema);

@@ -91,6 +91,6 @@ private:
 /// Kinds of sweep files, which differ in their tables.
 enum class SweepKind { axes, cases, search, edge_search, every_float };
 /// Throws InputError for a file of another schema, and for a table whose name is misspelt.
-SweepKind sweep_kind(const std::filesystem::path& path);
+SweepKind read_sweep_kind(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::sweep

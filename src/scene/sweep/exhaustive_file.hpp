@@ -77,6 +77,6 @@ private:
 };
 
 /// Returns x if it is representable in binary32; otherwise nothing.
-std::optional<float> exact_float(const Real& x);
+std::optional<float> to_exact_float(const Real& x);
 
 }  // namespace lostbits::scene::sweep

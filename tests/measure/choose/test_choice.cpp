@@ -48,8 +48,8 @@ TEST_CASE("the cheapest row that meets a requirement is neither the fastest nor 
     CHECK(fastest(all) == 4);
     CHECK(most_accurate(all) == 3);
     CHECK_FALSE(cheapest(all, {.bits = 23}));
-    CHECK(nearest_candidate(all, {.bits = 23}) == 3);
-    CHECK(measure::choose::nearest_candidate({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
+    CHECK(find_nearest_candidate(all, {.bits = 23}) == 3);
+    CHECK(measure::choose::find_nearest_candidate({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
     CHECK_FALSE(cheapest({candidate(1, 0, none)}, {.bits = 0}));
 }
 

@@ -66,7 +66,7 @@ MeasuredRequirement require(const scene::file::Scene& scene, const std::vector<T
         .all = {},
         .requirement_map = {}};
     asked.request.requirement.bits = bits;
-    MetPixelsByForm meetings(asked.request, tested_forms);
+    PassingPixelsByForm meetings(asked.request, tested_forms);
     asked.request.show = meetings.show();
     const auto quality = measure_quality(asked.request);
     for (std::size_t r = 0; r < tested_forms.size(); ++r) {

@@ -24,7 +24,7 @@ const Primitive<double> unit_box(Box<double>{{-1, -1, -1}, {1, 1, 1}});
 bool meets(std::string_view form, std::string_view format, const Ray<double>& ray, double end,
            const std::vector<Primitive<double>>& primitives) {
     const FormKernels kernels(form_named(form), *find_format(format));
-    auto rays = scene::rays::group_of(ray).rays;
+    auto rays = scene::rays::make_group(ray).rays;
     rays.tmax = {end};
     return std::ranges::any_of(primitives, [&](const Primitive<double>& primitive) {
         return hits_before_tmax(kernels, rays, primitive).front() != 0;

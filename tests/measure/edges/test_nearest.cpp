@@ -55,7 +55,7 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
 TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by triangle", "[edges]") {
     const Scratch folder;
     const auto search = search_of(folder, "scene = \"mesh-icosphere-near\"\ndistance = [1, 65536]\nrays = 32768\n");
-    const auto primitives = scene::rays::shared_primitives(search.scene);
+    const auto primitives = scene::rays::make_shared_primitives(search.scene);
     const std::vector rows{row("triangle.undivided", "f32"), row("triangle.havel_herout", "f32"),
                            row("triangle.plucker", "f32"), row("triangle.filtered", "f32")};
     const auto found = found_by(search, rows);

@@ -20,7 +20,7 @@ using scene::rays::RayGroup;
 namespace {
 
 RayGroup ray_of(const RayGroup& from, std::size_t i) {
-    RayGroup one = scene::rays::group_of(from.rays[i]);
+    RayGroup one = scene::rays::make_group(from.rays[i]);
     one.rays.push_range(from.rays, i);
     one.primitives = {from.primitives[from.is_paired ? i : 0]};
     return one;

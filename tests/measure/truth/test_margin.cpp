@@ -32,7 +32,7 @@ using measure::stability::find_margin;
 using measure::stability::Margin;
 using measure::stability::most_tight;
 using measure::truth::find_truth;
-using measure::truth::Perturbed;
+using measure::truth::Perturbation;
 using test::Seeded;
 
 namespace {
@@ -225,8 +225,8 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
                 const Primitive<double> primitive = group.primitives.front();
                 const auto truth = find_truth(ray, primitive);
                 ++asked;
-                for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-                    const double margin = find_margin(ray, primitive, CountedChange::decision, perturbed).proved;
+                for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
+                    const double margin = find_margin(ray, primitive, CountedChange::decision, perturbation).proved;
                     told += margin > 0;
                     const double by = margin * (1 - 0x1p-20) - 0x1p-52;
                     if (by <= 0) continue;
@@ -255,7 +255,7 @@ struct AttackedMargin {
 };
 
 /// The change of a margin is at most twice the margin, and changes the decision, exactly.
-bool is_witness(const test::MarginProblem& problem, const Margin& margin, Perturbed perturbed) {
+bool is_witness(const test::MarginProblem& problem, const Margin& margin, Perturbation perturbation) {
     Ray<Real> ray = lift_ray<Real>(problem.ray);
     Primitive<Real> primitive = lift_primitive<Real>(problem.primitive);
     for (int i = 0; i < 3; ++i) {
@@ -271,10 +271,10 @@ bool is_witness(const test::MarginProblem& problem, const Margin& margin, Pertur
         double size = 0, change = 0;
         for (std::size_t i = first; i < first + count; ++i) {
             size += x[i] * x[i], change += margin.reached_change[i] * margin.reached_change[i];
-            if (perturbed == Perturbed::componentwise)
+            if (perturbation == Perturbation::componentwise)
                 is_small &= std::fabs(margin.reached_change[i]) <= most * std::fabs(x[i]);
         }
-        if (perturbed == Perturbed::normwise) is_small &= std::sqrt(change) <= most * std::sqrt(size);
+        if (perturbation == Perturbation::normwise) is_small &= std::sqrt(change) <= most * std::sqrt(size);
     };
     vector(0, 3), vector(3, 3);
     for_each_key(problem.primitive.shape, [&](const Key& key, std::size_t at) { vector(6 + at, key.count()); });
@@ -297,15 +297,15 @@ void attack(AttackedMargin& seen, const test::MarginProblem& problem, Seeded& rn
         seen.contradictions.push_back(out.str());
     };
     ++seen.problems;
-    for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-        const Margin margin = find_margin(problem.ray, problem.primitive, CountedChange::decision, perturbed);
-        const double told = decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbed);
+    for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
+        const Margin margin = find_margin(problem.ray, problem.primitive, CountedChange::decision, perturbation);
+        const double told = decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbation);
         const bool missing = std::isnan(told);
         if (!(missing || told == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
             contradict("no margin", margin.proved);
-        if (!missing && margin.proved < most_tight && !is_witness(problem, margin, perturbed))
+        if (!missing && margin.proved < most_tight && !is_witness(problem, margin, perturbation))
             contradict("no change is found for the margin", margin.proved);
-        if (perturbed == Perturbed::normwise) continue;
+        if (perturbation == Perturbation::normwise) continue;
         seen.missing += missing, seen.small += margin.proved < most_tight;
         // No change of each number by a fraction of itself is smaller, whether or not the margin is reported.
         const double found = test::Attack(problem, rng).least(0.5, 3);
@@ -418,7 +418,7 @@ TEST_CASE("margins and backward errors agree with those worked out by hand", "[m
     // Componentwise, the ray along an axis keeps its zeros; normwise, it turns.
     const Box<double> box{{1, -1, 3}, {2, 1, 5}};
     CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box) == 0.5);
-    CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box, CountedChange::root, Perturbed::normwise) < 0.25);
+    CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box, CountedChange::root, Perturbation::normwise) < 0.25);
     // A t so small or so large that it is negligible beside the other numbers.
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p-1000}}, front, 0x1p-1074) >= 0);
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p+1000}}, front, 0x1p-1070) >= 0);
