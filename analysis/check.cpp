@@ -37,7 +37,7 @@ struct CheckOptions {
     std::string junit, csv, json, report, annotations = "none", shard;
     std::string profile = "results";
     bool strict = false, prints_numbers_only = false;
-    int further_draws = 0;
+    int further_draw_count = 0;
 
     [[nodiscard]] bool is_timing() const { return profile == "timing"; }
     [[nodiscard]] bool writes_files() const {
@@ -169,7 +169,7 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
         const auto text = [](double x) { return fmt::format("{:.6g}", x); };
         fmt::print(line_format, terminal_line(claims[i].id), text(results[i].measured), text(s.low), text(s.median),
                    text(s.high), fmt::format("[{}, {}]", text(claims[i].low), text(claims[i].high)),
-                   results[i].samples);
+                   results[i].sample_count);
     }
 }
 
@@ -319,7 +319,7 @@ ExitStatus run(const CheckOptions& options, const CommonOptions& common) {
 
     const study::StudiesByName studies;
     const measure::check::ClaimRequest request{
-        .data_dir = data, .stop = common.stop, .further_draws = options.further_draws, .studies = &studies};
+        .data_dir = data, .stop = common.stop, .further_draw_count = options.further_draw_count, .studies = &studies};
     const auto measured = measure_claims(claims, request, run_division.division);
     finish_run(run_division, common);
     if (!measured) return ExitStatus::done;
@@ -336,7 +336,7 @@ ExitStatus run(const CheckOptions& options, const CommonOptions& common) {
         print(claims[i], results[i], options, common.verbose);
         any_fails |= fails(claims[i], results[i], options.strict);
     }
-    if (options.further_draws > 0 && !common.quiet) print_spreads(claims, results);
+    if (options.further_draw_count > 0 && !common.quiet) print_spreads(claims, results);
     write_reports(options, claims, results, request);
     complete_folder(folder);
     if (!common.quiet) print_counts(claims, results);
@@ -371,7 +371,7 @@ void add_check(const shell::Command& program, const CommonOptions& common) {
     // Claims to measure, and how they are judged.
     command.add("--profile", options->profile, "Kind of claims to measure (default: results; docs/claims.md)",
                 shell::one_of({"results", "timing", "libraries"}));
-    command.add("--seeds", options->further_draws,
+    command.add("--seeds", options->further_draw_count,
                 "Also measure each claim about random rays on this many further draws, and show the spread",
                 shell::whole_number_between(0, 1000));
     command.add("--strict", options->strict, "Also fail for claims of severity warn");

@@ -163,8 +163,9 @@ ChoiceRequest make_request(const ChooseOptions& options, intersect::process::Sto
     if (options.bits < 0 && options.tolerance.empty())
         throw InputError(
             "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
-    request.requirement = {
-        .bits = std::max(0.0, options.bits), .wrong = options.wrong, .quantile = parse_quantile(options.at)};
+    request.requirement = {.bits = std::max(0.0, options.bits),
+                           .max_wrong_fraction = options.wrong,
+                           .quantile = parse_quantile(options.at)};
     if (!options.tolerance.empty())
         request.requirement.tolerance = selection::tolerance_in_units(options.tolerance, options.unit);
     else if (!options.unit.empty())

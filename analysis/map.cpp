@@ -139,7 +139,7 @@ void note_missed_crossings(const PlannedScene& planned, const std::vector<measur
             continue;
         missing_forms +=
             fmt::format("{}{} {} ({} of {})", missing_forms.empty() ? "" : ", ", tested_form.form->info->name,
-                        tested_form.format.name, missed, text::count_with_noun(summaries[r].true_hits, "hit"));
+                        tested_form.format.name, missed, text::count_with_noun(summaries[r].true_hit_count, "hit"));
     }
     if (missing_forms.empty()) return;
     fmt::print(

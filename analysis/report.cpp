@@ -375,7 +375,7 @@ std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& pl
     if (!planned.claims.empty())
         report.results = measure::check::measure_claims(
             planned.claims,
-            {.data_dir = data, .stop = options.stop, .further_draws = options.seeds, .studies = &studies});
+            {.data_dir = data, .stop = options.stop, .further_draw_count = options.seeds, .studies = &studies});
     return unresolved;
 }
 

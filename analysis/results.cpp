@@ -278,7 +278,7 @@ void print_stages(const measure::truth::StageCounts& stages) {
     fmt::print(
         "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} one by one in double-double, "
         "{} in wider intervals\n",
-        stages.rays(), stages.binary64, stages.double_double, stages.ball, stages.interval);
+        stages.ray_count(), stages.binary64, stages.double_double, stages.ball, stages.interval);
 }
 
 }  // namespace lostbits::analysis

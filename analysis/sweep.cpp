@@ -99,7 +99,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     auto request = study::sweep_request(
         sweep, selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep.accepts(forms); }),
         chosen.extra_metrics, chosen.metric_set, common.stop);
-    if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
+    if (chosen.options.seeds) request.further_draw_count = *chosen.options.seeds;
     selection::note_forms_without_formula(chosen.extra_metrics, request.tested_forms, common.quiet);
     output::sweep::SweepWriter::require_own_columns(request);
     if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.tested_forms, common.stop);

@@ -115,7 +115,7 @@ radius = 1
         measure::sweep::ExhaustiveState state;
         const double seconds = seconds_of([&] { measure::sweep::run_exhaustive(request, state); });
         std::printf("%-28s %-6s %25.1f   (all processors together)\n", form, "f32",
-                    1e9 * seconds / static_cast<double>(state.floats_tried));
+                    1e9 * seconds / static_cast<double>(state.tried_float_count));
     }
     std::filesystem::remove(file);
 }

@@ -94,7 +94,7 @@ std::vector<std::string> find_suspicions(const measure::judge::JudgeRequest& req
                                               judgement.scaled_right_misses(summary_of_file));
         const bool is_whole = judgement.has_all_samples(summary_of_file);
         return measure::contract::name_counted_rays(
-            rays_name, is_whole ? judgement.rays : judgement.first_samples.size(), judgement.rays,
+            rays_name, is_whole ? judgement.ray_count : judgement.first_samples.size(), judgement.ray_count,
             "of its rays that hit or should hit", suspicion_text);
     });
 }

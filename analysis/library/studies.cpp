@@ -134,7 +134,7 @@ measure::choose::Requirement parse_requirement(const lostbits_requirement& requi
         throw InputError("tolerance is not a number; give a length, or a number below 0 for any");
     measure::choose::Requirement result{
         .bits = requirement.bits,
-        .wrong = requirement.wrong,
+        .max_wrong_fraction = requirement.wrong,
         .quantile = measure::choose::parse_quantile(requirement.at ? requirement.at : default_at)};
     if (requirement.tolerance >= 0) result.tolerance = requirement.tolerance;
     return result;

@@ -157,7 +157,7 @@ SweepSection measure_axes_section(const PlannedSweep& planned, StopToken stop) {
     if (sweep.axes.size() == 2) {
         add_plane(section, request, steps);
     } else {
-        request.further_draws = planned.further_draws;
+        request.further_draw_count = planned.further_draw_count;
         add_line(section, request, steps);
     }
     return section;

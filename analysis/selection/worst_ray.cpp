@@ -36,7 +36,7 @@ struct OverallWorst {
     explicit OverallWorst(const std::vector<FormSummary>& summaries) {
         FormSummary all;
         for (const FormSummary& summary : summaries) {
-            rays += summary.rays;
+            rays += summary.ray_count;
             for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += summary.outcomes[o];
         }
         has_hit = all.count(Outcome::agree_hit) > 0;
@@ -137,8 +137,8 @@ SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const Test
         nullptr, OneRay(RayGroup(*ray->given)), tested_form.form,
         fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
                     "form: {}.\n",
-                    index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
-                    step, worst.rays, summaries.size(), worst.reason)};
+                    index_among(sweep.rays(values[worst.summary_index]), *ray),
+                    summaries[worst.summary_index].ray_count, step, worst.rays, summaries.size(), worst.reason)};
     found.ray.set_touching(tested_form.touching);
     return found;
 }

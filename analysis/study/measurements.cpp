@@ -45,7 +45,7 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
                                                 measure::evaluate::forms_of(request.tested_forms),
                                                 [&sweep] { return OwnedSetting(sweep.first_rays()); });
     for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
-    request.further_draws = 2;
+    request.further_draw_count = 2;
     request.recoveries = request.both_ends = true;
     return request;
 }

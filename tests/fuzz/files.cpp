@@ -92,7 +92,7 @@ void fuzz_sweep(std::string_view bytes) {
             case SweepKind::every_float: break;
         }
         const ExhaustiveFile file(path, LOSTBITS_DATA_DIR);
-        if (file.floats() > 0) static_cast<void>(file.group_at(0, float_at(file.ranges().front().first)));
+        if (file.float_count() > 0) static_cast<void>(file.group_at(0, float_at(file.ranges().front().first)));
     });
 }
 

@@ -178,10 +178,11 @@ TestedForm tested_form_of(const Claim& claim) {
     return {&form, format, claim.convention};
 }
 
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* singular_text, const char* plural_text) {
-    if (unproved == 0) return;
+void require_proof(ClaimResult& result, std::uint64_t unproved_count, const char* singular_text,
+                   const char* plural_text) {
+    if (unproved_count == 0) return;
     result.state = ClaimResult::State::unmeasurable;
-    result.reason = text::count_with_noun(unproved, singular_text, plural_text);
+    result.reason = text::count_with_noun(unproved_count, singular_text, plural_text);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {

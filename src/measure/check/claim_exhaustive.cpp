@@ -59,7 +59,7 @@ std::vector<TallyNumber> tally_numbers(const TestedForm& tested_form, const Floa
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
         const std::string name(answer::outcome_names[o]);
         numbers.push_back({name, static_cast<double>(tally.outcomes[o])});
-        numbers.push_back({name + "_fraction", truth::fraction(tally.outcomes[o], tally.floats())});
+        numbers.push_back({name + "_fraction", truth::fraction(tally.outcomes[o], tally.float_count())});
     }
     return numbers;
 }
@@ -145,7 +145,7 @@ ClaimResult judge_tally(const Claim& claim, std::size_t form_index, const Exhaus
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
-    result.floats = tally.floats();
+    result.float_count = tally.float_count();
     if (!claim.onset.empty() && !onset) result.reason = "it does not happen at any of the floats";
     require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.

@@ -94,8 +94,9 @@ void measure_position(const AxesClaims& axes_claims, const sweep::SweepRequest& 
         const evaluate::FormSummary& summary = summaries[axes_claims.rows[k]];
         result = judge(claim, axes_claims.columns.value(claim, summary), &summary);
         if (!request.sweep.has_random_rays()) continue;
-        result.samples = summary.views;
-        if (summary.rays == summary.views) result.bounds = quantile_bounds(claim, axes_claims.columns, summary);
+        result.sample_count = summary.view_count;
+        if (summary.ray_count == summary.view_count)
+            result.bounds = quantile_bounds(claim, axes_claims.columns, summary);
     }
 }
 
@@ -121,7 +122,7 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
         }
 
         result = judge(claim, onset->found ? onset->first_bad : missing, nullptr);
-        if (request.sweep.has_random_rays()) result.samples = onset->view_count;
+        if (request.sweep.has_random_rays()) result.sample_count = onset->view_count;
         if (!onset->found) result.reason = "it does not happen within the sweep";
     }
 }
@@ -276,7 +277,7 @@ std::vector<std::size_t> add_searched_forms(const SubjectClaims<SearchSubject>& 
 ClaimResult judge_worst(const Claim& claim, const sweep::WorstResult& worst) {
     const bool is_right = worst.outcome == answer::Outcome::agree_hit;
     ClaimResult result = judge(claim, is_right ? worst.value : std::numeric_limits<double>::infinity(), nullptr);
-    result.evaluations = worst.evaluations;
+    result.evaluation_count = worst.evaluation_count;
     scene::rays::RayGroup group = scene::rays::make_group(worst.ray);
     group.primitives = {worst.primitive};
     result.witness = {.x = 0,

@@ -128,8 +128,10 @@ std::vector<TestedForm> list_candidates(const Claim& claim, const OtherForms& ot
 ChoiceRequest make_request(const Claim& claim, const OtherForms& others, const Scene& scene,
                            intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
-    request.requirement = {.bits = others.requirement.bits, .wrong = others.requirement.wrong};
-    request.requirement.quantile = find_for_claim(claim, [&] { return choose::parse_quantile(others.requirement.at); });
+    request.requirement = {.bits = others.requirement.bits,
+                           .max_wrong_fraction = others.requirement.max_wrong_fraction};
+    request.requirement.quantile =
+        find_for_claim(claim, [&] { return choose::parse_quantile(others.requirement.quantile); });
     request.limit.stop = request.plan.stop = stop;
     return request;
 }

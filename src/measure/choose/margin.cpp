@@ -122,11 +122,11 @@ private:
         is_measured_ = true;
         const FormQuality& quality = measurement->quality;
         const bool meets =
-            quality.meets(requirement_) || (quality.hits == 0 && quality.decides_as_required(requirement_));
-        const MarginEnd end = !measurement->is_ideal_scene ? MarginEnd::other_scene
-                              : !meets                     ? MarginEnd::fails
-                              : quality.hits == 0          ? MarginEnd::nothing_hit
-                                                           : MarginEnd::none;
+            quality.meets(requirement_) || (quality.true_hit_count == 0 && quality.decides_as_required(requirement_));
+        const MarginEnd end = !measurement->is_ideal_scene  ? MarginEnd::other_scene
+                              : !meets                      ? MarginEnd::fails
+                              : quality.true_hit_count == 0 ? MarginEnd::nothing_hit
+                                                            : MarginEnd::none;
         if (end == MarginEnd::none) {
             margin_.holding_factor = factor;
             margin_.value = measurement->value;
@@ -226,7 +226,7 @@ std::optional<SafeOffsets> find_safe_offsets(const scene::file::Scene& scene, co
 
     SafeOffsets safe;
     safe.point_count = summary.points;
-    for (const offset::Side side : offset::both_sides) safe.ray_count += summary.side_summary(side).rays;
+    for (const offset::Side side : offset::both_sides) safe.ray_count += summary.side_summary(side).ray_count;
     safe.outside = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape,
                                            std::array{offset::Side::outside});
     safe.both_sides = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape);

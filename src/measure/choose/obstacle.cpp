@@ -34,13 +34,13 @@ FormQuality exact_quality(const Band& ideal, const Band& stored, const TestedFor
         // Counts only rays whose truth is known for both inputs.
         const auto unresolved = Truth::Decision::unresolved;
         if (stored_truth.decision == unresolved || ideal_truth.decision == unresolved) continue;
-        ++quality.rays;
-        quality.hits += ideal_truth.is_hit() ? 1 : 0;
+        ++quality.ray_count;
+        quality.true_hit_count += ideal_truth.is_hit() ? 1 : 0;
 
         if (stored_truth.decision != ideal_truth.decision ||
             (stored_truth.is_hit() &&
              !answer::meets_first(ideal, i, stored_truth.primitive, tested_form.convention()))) {
-            ++quality.wrong;
+            ++quality.wrong_count;
         } else if (stored_truth.is_hit()) {
             const auto& [x, y] = is_unit ? std::pair(stored_truth.distance, ideal_truth.distance)
                                          : std::pair(stored_truth.t, ideal_truth.t);
@@ -169,7 +169,7 @@ private:
 Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& tested_form, const Requirement& requirement,
                          const FormQuality& reached) {
     using Cause = Obstacle::Cause;
-    if (reached.hits == 0) return Cause::no_hit;
+    if (reached.true_hit_count == 0) return Cause::no_hit;
     if (requirement.bits > tested_form.format.parameters.precision) return Cause::width;
     if (!obstacle.exact.meets(requirement)) return Cause::inputs;
     // Within what half an ulp in each input can cost, the problem is hard; beyond it, the formula is bad.
@@ -225,7 +225,7 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
     // Tries wider inputs with exact arithmetic.
     obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;
     obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
-    if (!rays.ideal.primitives.empty() && reached.hits > 0)
+    if (!rays.ideal.primitives.empty() && reached.true_hit_count > 0)
         Trials(request, tested_form, rays.ideal, obstacle).run();
 
     // If every format gets the same stored inputs, those inputs are compared with themselves. Otherwise the first

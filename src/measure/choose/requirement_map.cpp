@@ -84,18 +84,18 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_f
     }
 
     // At each pixel, the first format in which any form meets the requirement is the narrowest.
-    map.pixels_any_form_meets.assign(map.formats.size(), 0);
+    map.met_by_any_form_pixel_counts.assign(map.formats.size(), 0);
     for (std::size_t i = 0; i < map.pixels(); ++i) {
         int narrowest = RequirementMap::none;
         for (std::size_t f = 0; f < forms_by_format.size(); ++f) {
             const int first = first_at(forms_by_format[f], i);
-            if (first >= 0) ++map.pixels_any_form_meets[f];
+            if (first >= 0) ++map.met_by_any_form_pixel_counts[f];
             if (narrowest < 0 && first != RequirementMap::none) narrowest = first;
         }
         map.narrowest.push_back(narrowest);
     }
 
-    map.pixels_narrowest = counts_of(map.narrowest, map.formats.size());
+    map.narrowest_pixel_counts = counts_of(map.narrowest, map.formats.size());
 }
 
 }  // namespace
@@ -104,8 +104,8 @@ double RequirementMap::min_time(const std::vector<Candidate>& candidates) const 
     double sum = 0;
     std::uint64_t count = 0;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-        sum += static_cast<double>(pixels_cheapest[c]) * candidates[c].time.median;
-        count += pixels_cheapest[c];
+        sum += static_cast<double>(cheapest_pixel_counts[c]) * candidates[c].time.median;
+        count += cheapest_pixel_counts[c];
     }
     return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
@@ -118,8 +118,8 @@ RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vec
     for (const std::size_t c : order_by_price(candidates))
         ranked.push_back({&passing_pixels.rows[c], static_cast<int>(c)});
     for (std::size_t i = 0; i < request.scene->pixels(); ++i) map.cheapest.push_back(first_at(ranked, i));
-    map.pixels_cheapest = counts_of(map.cheapest, candidates.size());
-    for (const PassingPixels& row : passing_pixels.rows) map.pixels_met.push_back(row.count());
+    map.cheapest_pixel_counts = counts_of(map.cheapest, candidates.size());
+    for (const PassingPixels& row : passing_pixels.rows) map.met_pixel_counts.push_back(row.count());
 
     PassingPixelsByForm emulated(request, request.untimed_forms);
     if (!request.untimed_forms.empty()) {
@@ -138,8 +138,8 @@ RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vec
     for (const PassingPixels& row : emulated.rows) all_met_pixels.push_back(&row);
     find_narrowest(map, tested_forms, all_met_pixels);
 
-    map.pixels_none_meets = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
-    map.pixels_unknown = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
+    map.unmet_pixel_count = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
+    map.unknown_pixel_count = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
     return map;
 }
 

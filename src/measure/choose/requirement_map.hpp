@@ -45,11 +45,13 @@ struct RequirementMap {
     std::vector<int> narrowest{};   ///< the same for indices of `formats`
     std::vector<Format> formats{};  ///< formats in which forms compute, narrowest significand first
     /// By candidate: number of pixels at which it meets the requirement, and at which it is the cheapest that does.
-    std::vector<std::uint64_t> pixels_met{}, pixels_cheapest{};
-    std::vector<std::uint64_t> pixels_any_form_meets{};  ///< by format: pixels at which any form meets the requirement
-    std::vector<std::uint64_t> pixels_narrowest{};       ///< by format: pixels at which it is the narrowest such format
-    std::uint64_t pixels_none_meets = 0;                 ///< pixels at which nothing meets the requirement
-    std::uint64_t pixels_unknown = 0;                    ///< pixels whose truth is not proved
+    std::vector<std::uint64_t> met_pixel_counts{}, cheapest_pixel_counts{};
+    std::vector<std::uint64_t>
+        met_by_any_form_pixel_counts{};  ///< by format: pixels at which any form meets the requirement
+    std::vector<std::uint64_t>
+        narrowest_pixel_counts{};           ///< by format: pixels at which it is the narrowest such format
+    std::uint64_t unmet_pixel_count = 0;    ///< pixels at which nothing meets the requirement
+    std::uint64_t unknown_pixel_count = 0;  ///< pixels whose truth is not proved
 
     [[nodiscard]] std::uint64_t pixels() const { return cheapest.size(); }
     /// Mean seconds for one ray and primitive if each pixel uses its cheapest candidate, over the pixels at which any

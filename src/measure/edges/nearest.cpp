@@ -179,7 +179,7 @@ public:
         for (std::int64_t k = 0; k < batch_count && !is_near_enough(); ++k) {
             std::vector<Eye> batch_eyes;
             const std::vector<AimedRay> batch = next_batch(batch_eyes);
-            finding.rays[outcome_index_] += batch.size();
+            finding.ray_counts[outcome_index_] += batch.size();
 
             // Only rays that may have the outcome, at a distance of the file, are compared with the truth.
             std::vector<AimedRay> suspects = suspicious_rays(batch, [this](bool may_crack, bool may_hit_twice) {
@@ -207,7 +207,7 @@ private:
 
     /// Adds the rays of a batch to the census, and their outcomes.
     void count_batch(const std::vector<AimedRay>& batch, EdgeFinding& finding) const {
-        for (const AimedRay& aimed_ray : batch) ++count_of(aimed_ray, finding).rays;
+        for (const AimedRay& aimed_ray : batch) ++count_of(aimed_ray, finding).ray_count;
         const std::vector<AimedRay> suspects =
             suspicious_rays(batch, [](bool may_crack, bool may_hit_twice) { return may_crack || may_hit_twice; });
         if (suspects.empty()) return;

@@ -83,7 +83,7 @@ struct BitsNeededBand {
 struct BitsNeededStudy {
     using Band = BitsNeededBand;
     using Summary = BitsNeededSummary;
-    static constexpr int pixels_per_band = study::pixels_of_band;
+    static constexpr int pixels_per_band = study::default_pixels_per_band;
 
     const scene::file::Scene& scene;
     std::vector<const intersect::table::Intersector*> tested_forms;  ///< each with `rounded` kernels

@@ -64,8 +64,8 @@ void FormSummary::add(std::size_t m, const Metric& metric, std::span<const doubl
 }
 
 void FormSummary::append(FormSummary&& next_rays) {
-    rays += next_rays.rays;
-    true_hits += next_rays.true_hits;
+    ray_count += next_rays.ray_count;
+    true_hit_count += next_rays.true_hit_count;
     for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += next_rays.outcomes[o];
     for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m].add(next_rays.metrics.at(m));
     for (std::size_t m = 0; m < categories.size(); ++m) {
@@ -242,7 +242,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
     for (std::size_t g = 0; !separate_rows.empty() && g < groups.size(); ++g)
         measure_group(std::move(groups[g]), static_cast<int>(g), separate_rows, metrics, limit, separate_summaries);
     for (FormSummary& summary : summaries) {
-        summary.views = groups.size();
+        summary.view_count = groups.size();
         summary.seal();
     }
     return summaries;

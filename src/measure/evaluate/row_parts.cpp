@@ -44,8 +44,8 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
         true_hit_count += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
         summary.outcomes[o] += static_cast<std::uint64_t>(std::ranges::count(out.outcomes, static_cast<Outcome>(o)));
-    summary.true_hits += true_hit_count;
-    summary.rays += n;
+    summary.true_hit_count += true_hit_count;
+    summary.ray_count += n;
 }
 
 FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, const truth::FormatInputs& inputs,
@@ -122,10 +122,10 @@ void RowSums::add(const RaySubset& part) const {
     // Outcomes, and the ray with the largest error.
     std::optional<std::size_t> worst_index;
     double largest = summary.worst.size;
-    summary.rays += part.rays.size();
+    summary.ray_count += part.rays.size();
     for (const std::uint32_t i : part.rays) {
         ++summary.outcomes[static_cast<std::size_t>(result_.outcomes[i])];
-        summary.true_hits += static_cast<std::uint64_t>(truth_.decision[i] == Truth::Decision::hit);
+        summary.true_hit_count += static_cast<std::uint64_t>(truth_.decision[i] == Truth::Decision::hit);
         if (!(std::fabs(ulps_[i]) > largest)) continue;
         worst_index = i;
         largest = std::fabs(ulps_[i]);

@@ -100,10 +100,10 @@ private:
 
     void add_side(std::size_t i, Side side, SideSummary& summary) const {
         const SideOfPoint& side_result = result_.sides[i][static_cast<std::size_t>(side)];
-        summary.rays += side_result.rays;
-        summary.already_safe_points += static_cast<std::uint64_t>(side_result.safe_offset == 0);
-        summary.never_safe_points += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
-        summary.never_quiet_points += static_cast<std::uint64_t>(std::isinf(side_result.quiet_offset));
+        summary.ray_count += side_result.ray_count;
+        summary.already_safe_point_count += static_cast<std::uint64_t>(side_result.safe_offset == 0);
+        summary.never_safe_point_count += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
+        summary.never_quiet_point_count += static_cast<std::uint64_t>(std::isinf(side_result.quiet_offset));
         if (std::isfinite(side_result.safe_offset)) {
             summary.safe_offset.add(side_result.safe_offset);
             summary.safe_ulps.add(side_result.safe_offset / result_.ulp[i]);
@@ -120,7 +120,7 @@ private:
         s.offset_size.add(strategy_result.offset_size);
         if (std::isfinite(safe_offset) && safe_offset > 0) {
             s.size_ratio.add(strategy_result.offset_size / safe_offset);
-            s.too_small_points += static_cast<std::uint64_t>(strategy_result.offset_size < safe_offset);
+            s.too_small_point_count += static_cast<std::uint64_t>(strategy_result.offset_size < safe_offset);
         }
 
         bool has_new_fault = false, has_fault = false;
@@ -129,7 +129,7 @@ private:
             has_fault = has_fault || strategy_result.fault_counts[f] > 0;
             has_new_fault = has_new_fault || (strategy_result.fault_counts[f] > 0 && !s.first_faulty_rays[f]);
         }
-        if (has_fault) s.bad_rays += strategy_result.bad_rays;
+        if (has_fault) s.bad_ray_count += strategy_result.bad_ray_count;
         if (has_new_fault) keep_first_bad_rays(i, side, k, s);
     }
 
@@ -212,7 +212,9 @@ std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const st
                                           Shape shape, std::span<const Side> sides) {
     std::vector<SafeStrategy> safe;
     for (std::size_t k = 0; k < strategies.size() && summary.points > 0; ++k) {
-        const auto has_no_bad_ray = [&](Side side) { return summary.side_summary(side).strategies[k].bad_rays == 0; };
+        const auto has_no_bad_ray = [&](Side side) {
+            return summary.side_summary(side).strategies[k].bad_ray_count == 0;
+        };
         if (!std::ranges::all_of(sides, has_no_bad_ray)) continue;
         double largest_ratio = truth::missing;
         for (const Side side : sides) {

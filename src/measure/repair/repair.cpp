@@ -322,7 +322,7 @@ void measure_probes(RepairResult& result, const RepairRequest& request, QualityM
 
     const Probes probes = make_probes(request);
     for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
-    if (!probes.empty()) result.probed_rays = probes.front()->measurer().rays();
+    if (!probes.empty()) result.probed_ray_count = probes.front()->measurer().rays();
 
     result.own_probe_qualities = measure_on_probes(result.tape, probes);
     result.set_probe_qualities = measure_on_probes(widen_operations(result, operations_to_widen(result)), probes);

@@ -112,7 +112,7 @@ struct RepairResult {
     /// operations wider). Empty if no set and no rewritten form meets the requirement.
     std::vector<const Isometry*> probes = {};
     std::vector<FormQuality> own_probe_qualities = {}, set_probe_qualities = {};
-    std::uint64_t probed_rays = 0;               ///< number of rays of each probe
+    std::uint64_t probed_ray_count = 0;          ///< number of rays of each probe
     std::optional<SymmetricSet> symmetric = {};  ///< found if the set fails exact probes
     /// Found if the form does not meet the requirement even with all operations wider.
     std::optional<Obstruction> obstruction = {};

@@ -73,7 +73,7 @@ std::uint64_t shared_inputs_of(const RawProblems<S>& p) {
     for (std::size_t k = 0; k < max_primitive_number_count; ++k)
         add_input(input_of_primitive + k, p.primitive[k]), add_input(input_of_primitive_low + k, p.primitive_low[k]);
     add_input(input_of_tmin, p.tmin), add_input(input_of_tmax, p.tmax);
-    static_assert(stage_inputs <= 64);
+    static_assert(stage_input_count <= 64);
     return shared;
 }
 

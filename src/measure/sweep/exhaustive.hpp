@@ -76,7 +76,7 @@ struct FloatTally {
     [[nodiscard]] std::uint64_t count(answer::Outcome outcome) const {
         return outcomes[static_cast<std::size_t>(outcome)];
     }
-    [[nodiscard]] std::uint64_t floats() const;
+    [[nodiscard]] std::uint64_t float_count() const;
     [[nodiscard]] std::uint64_t wrong_count() const;
     /// Adds the next float; the error is NaN unless form and truth hit.
     void add(std::uint32_t float_index, answer::Outcome outcome, double ulps);
@@ -98,7 +98,8 @@ struct ExhaustiveRequest;
 
 /// Progress of a run: all that is needed to continue it.
 struct ExhaustiveState {
-    std::uint64_t floats_tried = 0;   ///< floats of the share tried so far, in order, each with every form on every ray
+    std::uint64_t tried_float_count =
+        0;                            ///< floats of the share tried so far, in order, each with every form on every ray
     std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::tally_index`
     truth::StageCounts stages{};      ///< counts of truths; their sum depends on how often forms shared a truth
 

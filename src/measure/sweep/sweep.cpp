@@ -171,8 +171,8 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
 Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t form_index, const Event& event,
                    FormEvaluator& evaluator) {
     Onset onset{form_index, event.name, event.statistic, event.threshold};
-    onset.ray_count = steps.front()->summaries[form_index].rays;
-    onset.view_count = steps.front()->summaries[form_index].views;
+    onset.ray_count = steps.front()->summaries[form_index].ray_count;
+    onset.view_count = steps.front()->summaries[form_index].view_count;
     const auto first_bad_step =
         std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->summaries[form_index]); });
     if (first_bad_step == steps.end()) return onset;
@@ -247,7 +247,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     if (!request.sweep.has_random_rays()) return onsets;
 
     // Repeats the search on other random rays, to see how far the onsets scatter.
-    for (int draw = 1; draw <= request.further_draws; ++draw) {
+    for (int draw = 1; draw <= request.further_draw_count; ++draw) {
         const scene::sweep::SweepFile sweep_of_draw = request.sweep.with_seed_offset(draw);
         const SweepRequest draw_request{.sweep = sweep_of_draw,
                                         .tested_forms = request.tested_forms,
@@ -292,7 +292,8 @@ SweepFindings measure_sweep(const SweepRequest& request) {
 }
 
 std::uint64_t sweep_units(const SweepRequest& request) {
-    const auto draws = static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draws : 0));
+    const auto draws =
+        static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draw_count : 0));
     return request.tested_forms.size() * count_steps(request.sweep) * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 

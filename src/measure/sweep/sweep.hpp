@@ -66,10 +66,10 @@ struct SweepRequest {
     const scene::sweep::SweepFile& sweep;
     std::vector<evaluate::TestedForm> tested_forms;
     std::vector<const metric::Metric*> metrics;
-    int further_draws = 0;    ///< number of further draws of random rays, for the spread of onsets
-    shard::Share share = {};  ///< share of the steps, and of the forms whose onsets are found
-    bool recoveries = false;  ///< also find where a form is good again after its first failure
-    bool both_ends = false;   ///< also find onsets from the last step backwards, for failures at small values
+    int further_draw_count = 0;  ///< number of further draws of random rays, for the spread of onsets
+    shard::Share share = {};     ///< share of the steps, and of the forms whose onsets are found
+    bool recoveries = false;     ///< also find where a form is good again after its first failure
+    bool both_ends = false;      ///< also find onsets from the last step backwards, for failures at small values
     std::vector<Onset> wanted_onsets = {};  ///< if not empty, only onsets of these events are looked for
     truth::ProofLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};

@@ -92,7 +92,7 @@ public:
 
     std::optional<WorstResult> run() {
         for (int start = 0; start < file_.starts && !is_over(); ++start) climb();
-        best_.evaluations = evaluations_;
+        best_.evaluation_count = evaluations_;
         return best_score_ < 0 ? std::nullopt : std::optional(best_);
     }
 

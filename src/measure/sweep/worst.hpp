@@ -20,7 +20,7 @@ struct WorstResult {
     double t = 0;         ///< the form's answer
     double truth = 0;     ///< t*, correctly rounded to binary64; NaN for a miss
     double distance = 0;  ///< from the ray's origin to the centre of a sphere, in radii; NaN for other primitives
-    std::uint64_t evaluations = 0;
+    std::uint64_t evaluation_count = 0;
 };
 
 struct WorstRequest {

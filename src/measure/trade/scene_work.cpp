@@ -86,12 +86,12 @@ SceneWork::SceneWork(const Scene& scene, truth::ProofLimit limit)
     : scene_(with_smaller_picture(scene, timed_pixels)),
       culler_(std::make_unique<culling::Culler>(scene_)),
       band_(scene_, 0, scene_.height, limit, culler_.get()),
-      rays_(band_.pixels()) {
+      ray_count_(band_.pixels()) {
     choose_primitives({}, scene_.primitive_count());
 }
 
 SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limit)
-    : band_(sample, limit), rays_(band_.pixels()) {
+    : band_(sample, limit), ray_count_(band_.pixels()) {
     choose_primitives(first_equal_indices(sample.primitives), sample.primitives.size());
 }
 
@@ -99,13 +99,13 @@ void SceneWork::choose_primitives(const std::vector<int>& first_equal, std::size
     const auto hits = count_hits(band_, first_equal);
     std::size_t hit_count = 0;
     for (const auto& [primitive, count] : hits) hit_count += count;
-    hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(rays_);
+    hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(ray_count_);
     primitives_ = primitives_to_time(hits, primitive_count);
 }
 
 std::size_t SceneWork::bytes(const Format& format) const {
     const std::size_t size = format.engine == Format::Engine::native32 ? sizeof(float) : sizeof(double);
-    return rays_ * (numbers_a_ray * size + 1);
+    return ray_count_ * (numbers_a_ray * size + 1);
 }
 
 template <class S>
@@ -129,7 +129,7 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
 
 TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form,
                               const intersect::simd::PackedFormKernels& kernels) {
-    const std::size_t items = rays() * primitives();
+    const std::size_t items = ray_count() * primitive_count();
     if (tested_form.format.engine == Format::Engine::native32)
         return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, items, true};
     return {[row_store = store<double>(tested_form), kernel = kernels.f64] { row_store->run(kernel); }, items, true};

@@ -39,8 +39,8 @@ void time_on_scene(const TradeRequest& request, TradeResult& result) {
         work.push_back(scene_work.work_for(kernel.measured, {kernel.measured.form->info, kernel.f32, kernel.f64}));
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t k = 0; k < timings.size(); ++k)
-        result.times.push_back({{timings[k], scene_work.bytes(request.kernels[k].measured.format), scene_work.rays(),
-                                 scene_work.hit_rate(), scene_work.primitives()}});
+        result.times.push_back({{timings[k], scene_work.bytes(request.kernels[k].measured.format),
+                                 scene_work.ray_count(), scene_work.hit_rate(), scene_work.primitive_count()}});
 }
 
 /// Makes the arrays of each load, in the formats of the kernels.
@@ -76,9 +76,9 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
             const bool warms_up = request.loads[l].working_set != "memory";
             work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, warms_up)
                                       : work_on(*stores[l].f64, kernel.f64, warms_up));
-            const auto [bytes, rays] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->rays())
-                                                  : std::pair(stores[l].f64->bytes(), stores[l].f64->rays());
-            result.times[k].push_back({{}, bytes, rays, request.loads[l].hit_rate});
+            const auto [bytes, ray_count] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->ray_count())
+                                                       : std::pair(stores[l].f64->bytes(), stores[l].f64->ray_count());
+            result.times[k].push_back({{}, bytes, ray_count, request.loads[l].hit_rate});
         }
     }
 
@@ -199,7 +199,7 @@ ParetoPoint pareto_point(const Timing& timing, const TestedForm& tested_form, co
                          const std::vector<const metric::Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();
-    const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
+    const auto known = accuracy.ray_count - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
             tested_form.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
 }

@@ -64,9 +64,9 @@ std::uint64_t trade_units(const TradeRequest& request);
 struct TradeResult {
     struct KernelTime {
         Timing timing;  ///< seconds a ray, on a scene for one ray and one primitive
-        std::size_t bytes, rays;
+        std::size_t bytes, ray_count;
         double hit_rate;  ///< hit rate of these rays
-        std::size_t primitives = 1;
+        std::size_t primitive_count = 1;
     };
     std::vector<std::vector<KernelTime>> times;                 ///< [kernel][load]
     std::vector<OperationCounts> operations;                    ///< [kernel]

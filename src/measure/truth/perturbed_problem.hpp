@@ -184,7 +184,7 @@ private:
         linear_part,    ///< numbers of the matrix before its translation: unit of the result's lengths / the source's
         object_direction,  ///< directions of the primitive
     };
-    static constexpr std::size_t unit_kinds = 5;
+    static constexpr std::size_t unit_kind_count = 5;
 
     [[nodiscard]] UnitKind unit_kind(std::size_t i) const {
         if (i >= direction_begin && i < primitive_begin) return UnitKind::direction;
@@ -266,7 +266,7 @@ private:
 
     Shape shape_;
     bool is_normwise_, is_distance_;
-    std::array<int, unit_kinds> units_;
+    std::array<int, unit_kind_count> units_;
     std::array<bool, capacity> is_direction_{};
     std::array<double, capacity> numbers_, input_error_, total_error_, rounding_error_{};
 };

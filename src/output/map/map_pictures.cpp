@@ -210,7 +210,7 @@ pixel::FinishedSheet MapPictures::describe_finished_sheet(std::size_t sheet,
         if (drawing.position.sheet != sheet) continue;
         const FormSummary& summary = summaries[drawing.form_index];
         cells.push_back({drawing.position.across, &summary});
-        nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
+        nothing_hit &= summary.count(Outcome::agree_miss) == summary.ray_count;
     }
 
     // The sheet of a claim needs no headline, because it stands below the claim's sentence.

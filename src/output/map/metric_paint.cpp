@@ -50,7 +50,7 @@ std::string fault_fractions_text(const FormSummary& summary) {
     auto order = measure::evaluate::wrong_decisions;
     std::ranges::stable_sort(order, std::greater<>(), [&summary](Outcome o) { return summary.count(o); });
     const auto fraction_of_pixels = [&summary](std::uint64_t n, std::string_view name) {
-        return fmt::format("{} {}", percent(n, summary.rays), name);
+        return fmt::format("{} {}", percent(n, summary.ray_count), name);
     };
 
     std::vector<std::string> faults;
@@ -230,7 +230,7 @@ std::string MetricPaint::quantile_note() const {
 
 std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t metric_index) const {
     if (metric_->depends_on_forms) return culprit_summary(summary.categories[metric_index]);
-    if (!metric_->categories.empty()) return category_summary(summary.categories[metric_index], summary.rays);
+    if (!metric_->categories.empty()) return category_summary(summary.categories[metric_index], summary.ray_count);
     const measure::metric::Distribution& distribution = summary.metrics[metric_index];
     return is_of_hits() ? hit_summary(summary, distribution) : distribution_summary(distribution);
 }

@@ -29,8 +29,9 @@ std::string quality_text(const FormQuality& quality, const measure::choose::Requ
     const std::string bits = std::isnan(quality.kept_bits)
                                  ? "no bits, because form and truth agree on no hit"
                                  : choose::kept_bits_text(quality.kept_bits, requirement) + " bits";
-    if (quality.wrong == 0) return bits + ", no wrong decision";
-    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, text::count_with_noun(quality.rays, "ray"));
+    if (quality.wrong_count == 0) return bits + ", no wrong decision";
+    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong_count,
+                       text::count_with_noun(quality.ray_count, "ray"));
 }
 
 /// Predicate of a sentence: `keep 22.1 bits and decide no ray wrongly`.
@@ -39,9 +40,9 @@ std::string quality_clause(const FormQuality& quality, const measure::choose::Re
         std::isnan(quality.kept_bits)
             ? "agree with the truth on no hit"
             : fmt::format("keep {} bits", choose::kept_bits_text(quality.kept_bits, requirement));
-    if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
-    return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
-                       text::count_with_noun(quality.rays, "ray"));
+    if (quality.wrong_count == 0) return predicate + " and decide no ray wrongly";
+    return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong_count,
+                       text::count_with_noun(quality.ray_count, "ray"));
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary) {
@@ -135,7 +136,7 @@ std::string probes_text(const RepairSummary& summary, const std::vector<FormQual
 
     std::string text;
     const std::string condition = fmt::format("if rays and primitives are moved together ({})",
-                                              text::count_with_noun(summary.repair.probed_rays, "ray"));
+                                              text::count_with_noun(summary.repair.probed_ray_count, "ray"));
     if (!met_probes.empty()) text += fmt::format("  It also holds {}: {}.\n", condition, fmt::join(met_probes, "; "));
     for (const auto& [quality, probes] : failed_probes)
         text += fmt::format("  It fails {}: {}. Then it keeps {}.\n", condition, fmt::join(probes, "; "), quality);
@@ -213,7 +214,7 @@ std::string obstruction_text(const RepairSummary& summary) {
     const auto& form = *summary.request.tested_form.form->info;
 
     // Requirements that no precision can meet.
-    if (summary.repair.own_quality.hits == 0)
+    if (summary.repair.own_quality.true_hit_count == 0)
         return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
     if (requirement.bits > summary.request.tested_form.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n",
@@ -222,7 +223,7 @@ std::string obstruction_text(const RepairSummary& summary) {
 
     // Results of the operations without any rounding.
     std::string exact_text = "without any rounding, its operations " + quality_clause(exact, requirement);
-    if (exact.wrong > 0)
+    if (exact.wrong_count > 0)
         exact_text +=
             fmt::format(" ({} of these are {})", exact.main_fault_count,
                         exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");

@@ -271,7 +271,7 @@ Json summary_json(const MapStudy& study, const TestedForm& tested_form, const Fo
 
             // its results
             {"outcomes", summary.outcomes},
-            {"true_hits", summary.true_hits},
+            {"true_hits", summary.true_hit_count},
             {"statistics", statistics_json(study, summary)},
             {"worst_explain",
              worst ? attribution::explain_command(

@@ -36,7 +36,7 @@ Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vecto
 
     for (std::size_t c = 0; c < cell_count; ++c) {
         outcomes.push_back(summary_at(c).outcomes);
-        true_hits.push_back(summary_at(c).true_hits);
+        true_hits.push_back(summary_at(c).true_hit_count);
     }
 
     return {{"form", tested_form.form->info->name},

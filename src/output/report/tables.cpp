@@ -89,7 +89,7 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
     text += fmt::format("<td class=\"n\">{}</td>", summary.count(measure::answer::Outcome::agree_hit));
 
     // Quantiles are withheld if too few hits agree.
-    if (summary.true_hits > 0 && !summary.agreement().is_enough()) {
+    if (summary.true_hit_count > 0 && !summary.agreement().is_enough()) {
         text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", summary.agreement().too_few_text());
     } else {
         for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})

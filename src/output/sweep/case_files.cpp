@@ -77,7 +77,7 @@ private:
     [[nodiscard]] static plot::MatrixCell wrong_cell(const FormSummary& summary, Outcome o) {
         const std::uint64_t n = summary.count(o);
         return {image::outcome_colours[static_cast<std::size_t>(o)],
-                n < summary.rays ? fmt::format("{}/{}", n, summary.rays) : std::string()};
+                n < summary.ray_count ? fmt::format("{}/{}", n, summary.ray_count) : std::string()};
     }
 
     [[nodiscard]] double max_lost_bits(const FormSummary& summary) const {

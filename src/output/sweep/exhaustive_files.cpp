@@ -92,7 +92,7 @@ Table<FloatsRow> end_columns(const std::string& unit) {
 
 table::TableColumn<FloatsRow> count_column() {
     return {"floats", "number of floats that were tried, by counting",
-            [](const FloatsRow& row) { return row.tally.floats(); }};
+            [](const FloatsRow& row) { return row.tally.float_count(); }};
 }
 
 /// Columns with the number of floats for each outcome that can occur.
@@ -273,9 +273,10 @@ std::string float_text(std::uint32_t float_index) {
 std::string statement_subject(const ExhaustiveRequest& request, const RangeFinding& finding) {
     const auto& sweep = request.sweep;
     const FloatTally& tally = finding.tally;
-    std::string text = fmt::format("all {} between {} and {} were tried: {}",
-                                   text::count_with_noun(tally.floats(), "float"), float_text(finding.floats.first),
-                                   float_text(finding.floats.last), request.tested_forms[finding.row].form->info->name);
+    std::string text =
+        fmt::format("all {} between {} and {} were tried: {}", text::count_with_noun(tally.float_count(), "float"),
+                    float_text(finding.floats.first), float_text(finding.floats.last),
+                    request.tested_forms[finding.row].form->info->name);
     if (const auto touching = request.tested_forms[finding.row].touching)
         text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[finding.ray].name);

@@ -43,7 +43,7 @@ Table<TimeRow> make_time_table() {
                [](const R& r) { return r.load->working_set; }});
     table.add<KernelTime>(
         {{"working_set_bytes", "B", "bytes of rays and answers", &KernelTime::bytes},
-         {"working_set_rays", "number of rays in these bytes", &KernelTime::rays},
+         {"working_set_rays", "number of rays in these bytes", &KernelTime::ray_count},
          {"hit_rate", "1",
           "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels with "
           "branches look faster than they are",
@@ -97,7 +97,7 @@ Table<ParetoRow> make_pareto_table() {
                 [](const R& r) { return r.quality.time_ns; }},
 
                // bits lost and kept
-               {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
+               {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->ray_count; }},
                {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost_bits, 0.5)},
                {"lost_bits_p99", "bits", "99th percentile over the correct hits", quantile(&R::lost_bits, 0.99)},
                {"excess_bits_p99", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
@@ -107,9 +107,9 @@ Table<ParetoRow> make_pareto_table() {
 
                // wrong decisions
                {"false_hit_fraction", "1", "false hits among the rays that truly miss",
-                fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
+                fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_miss_count)},
                {"false_miss_fraction", "1", "false misses among the rays that truly hit",
-                fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hits)},
+                fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hit_count)},
                {"wrong_fraction", "1",
                 "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays "
                 "whose truth is known",
@@ -142,7 +142,7 @@ std::string timing_text(const TradeRequest& request, const TradeResult& result) 
     return fmt::format(
         "Time per ray and primitive: {} of the scene against {} of its primitives. The times are from this run, and "
         "vary from run to run.\n",
-        text::count_with_noun(timed.rays, "ray"), timed.primitives);
+        text::count_with_noun(timed.ray_count, "ray"), timed.primitive_count);
 }
 
 KernelKey kernel_key(const TradeKernel& kernel) {
@@ -213,10 +213,10 @@ std::string rays_text(const TradeRequest& request, const TradeResult& result, st
     const std::string repetition_text =
         fmt::format("median of {}, bars from quartile to quartile.",
                     text::count_with_noun(request.plan.repetitions, "interleaved repetition"));
-    const std::uint64_t judged_ray_count = result.accuracy(set_index, 0).rays;
+    const std::uint64_t judged_ray_count = result.accuracy(set_index, 0).ray_count;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
-                           text::count_with_noun(judged_ray_count, "ray"), timed.rays, timed.primitives,
+                           text::count_with_noun(judged_ray_count, "ray"), timed.ray_count, timed.primitive_count,
                            repetition_text);
     const auto sets = measure::trade::trade_sets(request);
     return fmt::format(
@@ -316,7 +316,7 @@ std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
-                            text::count_with_noun(result.accuracy(s, 0).rays, "ray"));
+                            text::count_with_noun(result.accuracy(s, 0).ray_count, "ray"));
         text += ranking_text(request, result, qualities) + cheapest_text(request, qualities) + "\n";
     }
     return text + timing_text(request, result);

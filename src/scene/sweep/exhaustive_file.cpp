@@ -211,7 +211,7 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
     file.require_known_keys();
 }
 
-std::uint64_t ExhaustiveFile::floats() const {
+std::uint64_t ExhaustiveFile::float_count() const {
     std::uint64_t sum = 0;
     for (const FloatRange& range : ranges_) sum += range.size();
     return sum;

@@ -32,7 +32,7 @@ ChoiceRequest request_of(const Scene& scene, double bits) {
 Candidate candidate(double time, std::uint64_t wrong, double bits) {
     Candidate c{.tested_form = row("sphere.schoolbook", "f32")};
     c.time.median = time;
-    c.quality = {.rays = 100, .wrong = wrong, .kept_bits = bits, .hits = 50};
+    c.quality = {.ray_count = 100, .wrong_count = wrong, .kept_bits = bits, .true_hit_count = 50};
     return c;
 }
 
@@ -43,7 +43,7 @@ TEST_CASE("the cheapest row that meets a requirement is neither the fastest nor 
     const std::vector<Candidate> all{candidate(1, 0, 9), candidate(2, 1, 20), candidate(3, 0, 17), candidate(4, 0, 22),
                                      candidate(0.5, 50, none)};
     CHECK(cheapest(all, {.bits = 16}) == 2);
-    CHECK(cheapest(all, {.bits = 16, .wrong = 0.01}) == 1);
+    CHECK(cheapest(all, {.bits = 16, .max_wrong_fraction = 0.01}) == 1);
     CHECK(cheapest(all, {.bits = 8}) == 0);
     CHECK(fastest(all) == 4);
     CHECK(most_accurate(all) == 3);
@@ -67,11 +67,11 @@ TEST_CASE("every row is timed on rays of the scene and has the accuracy that a m
     const auto summaries =
         measure::evaluate::run_map({.scene = &scene, .tested_forms = request.tested_forms, .metrics = {lost}});
     for (std::size_t r = 0; r < all.size(); ++r) {
-        CHECK(all[r].quality.wrong == summaries[r].wrong_count());
-        CHECK(all[r].quality.hits == summaries[r].true_hits);
+        CHECK(all[r].quality.wrong_count == summaries[r].wrong_count());
+        CHECK(all[r].quality.true_hit_count == summaries[r].true_hit_count);
     }
-    CHECK(all[0].quality.wrong > 0);
-    CHECK(all[1].quality.wrong == 0);
+    CHECK(all[0].quality.wrong_count > 0);
+    CHECK(all[1].quality.wrong_count == 0);
     CHECK(all[1].quality.kept_bits == 53 - summaries[1].metrics[0].quantile(0.99));
 }
 
@@ -221,7 +221,7 @@ TEST_CASE("a requirement that fails at once has no margin") {
     for (const GrowthMargin& margin : margins) {
         CHECK(margin.holding_factor == 0);
         CHECK(margin.end == MarginEnd::fails);
-        CHECK(margin.end_quality.wrong > 0);
+        CHECK(margin.end_quality.wrong_count > 0);
     }
 }
 

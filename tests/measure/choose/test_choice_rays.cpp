@@ -54,9 +54,9 @@ ChoiceRequest requirement_of(double bits, std::vector<TestedForm> tested_forms) 
 }
 
 void require_same(const FormQuality& a, const FormQuality& b) {
-    CHECK(a.rays == b.rays);
-    CHECK(a.hits == b.hits);
-    CHECK(a.wrong == b.wrong);
+    CHECK(a.ray_count == b.ray_count);
+    CHECK(a.true_hit_count == b.true_hit_count);
+    CHECK(a.wrong_count == b.wrong_count);
     CHECK(a.main_fault == b.main_fault);
     CHECK(a.kept_bits == b.kept_bits);
 }
@@ -127,7 +127,7 @@ TEST_CASE("the sample of a long file is every n-th ray") {
     ChoiceRequest request = requirement_of(8, {test::row("sphere.schoolbook", "f32")});
     const FileRays judged = judge_and_sample(*ray_file, {.result_name = "long"}, request);
     CHECK(judged.ray_count == rays);
-    CHECK(judged.quality.front().hits == rays);
+    CHECK(judged.quality.front().true_hit_count == rays);
     const auto& sample = judged.sample;
     REQUIRE(sample.rays.size() == 2500);  // of 40000 every 16th: of 8 there were 5000
     CHECK(sample.is_paired);
@@ -283,7 +283,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     request.scene = &oblique;
     const Obstacle formula = find_obstacle(request, schoolbook);
     CHECK(formula.cause == Obstacle::Cause::formula);
-    CHECK(formula.exact.wrong == 0);
+    CHECK(formula.exact.wrong_count == 0);
     CHECK(formula.rounds_to_binary32_first);
 }
 

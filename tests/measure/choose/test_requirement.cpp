@@ -117,15 +117,15 @@ TEST_CASE("pixel counts of a requirement sum to the image, and fewer pixels meet
         const auto sum = [](const std::vector<std::uint64_t>& counts) {
             return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
         };
-        CHECK(sum(r.pixels_cheapest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
-        CHECK(sum(r.pixels_narrowest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
+        CHECK(sum(r.cheapest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixels());
+        CHECK(sum(r.narrowest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixels());
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            CHECK(r.pixels_met[k] <= before[k]);
-            CHECK(r.pixels_cheapest[k] <= r.pixels_met[k]);
+            CHECK(r.met_pixel_counts[k] <= before[k]);
+            CHECK(r.cheapest_pixel_counts[k] <= r.met_pixel_counts[k]);
             const std::size_t format = rows[k].format.name == "f32" ? 0 : 1;
-            CHECK(r.pixels_met[k] <= r.pixels_any_form_meets[format]);
+            CHECK(r.met_pixel_counts[k] <= r.met_by_any_form_pixel_counts[format]);
         }
-        before = r.pixels_met;
+        before = r.met_pixel_counts;
         const double least = r.min_time(all);
         CHECK(least >= 1);
         CHECK(least <= 4);
@@ -139,9 +139,9 @@ TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
     const auto maps = maps_of(scene, {rows[1]});
     const auto hits = static_cast<std::uint64_t>(std::ranges::count(maps[0].outcomes, Outcome::agree_hit));
     REQUIRE(hits > 0);
-    CHECK(r.pixels_narrowest[1] == hits);
-    CHECK(r.pixels_narrowest[0] == r.pixels() - hits);
-    CHECK(r.pixels_met[1] == r.pixels());
+    CHECK(r.narrowest_pixel_counts[1] == hits);
+    CHECK(r.narrowest_pixel_counts[0] == r.pixels() - hits);
+    CHECK(r.met_pixel_counts[1] == r.pixels());
 }
 
 TEST_CASE("a form that computes in double does not show that float is enough") {
@@ -158,7 +158,7 @@ TEST_CASE("a form that computes in double does not show that float is enough") {
         by_double += !narrow && maps[1].right(i, 20, 24);
     }
     CHECK(by_double > 0);
-    CHECK(r.pixels_narrowest == std::vector<std::uint64_t>{by_float, by_double});
+    CHECK(r.narrowest_pixel_counts == std::vector<std::uint64_t>{by_float, by_double});
 }
 
 }  // namespace lostbits::test::test_requirement

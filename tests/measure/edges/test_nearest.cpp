@@ -42,10 +42,10 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
                (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
     };
     const auto same_count = [](const EdgeCount& x, const EdgeCount& y) {
-        return x.rays == y.rays && x.outcomes == y.outcomes;
+        return x.ray_count == y.ray_count && x.outcomes == y.outcomes;
     };
     return std::ranges::equal(a, b, [&](const EdgeFinding& x, const EdgeFinding& y) {
-        return x.rays == y.rays && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
+        return x.ray_counts == y.ray_counts && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
                std::ranges::equal(x.census, y.census, same_count);
     });
 }
@@ -62,7 +62,7 @@ TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by tr
     REQUIRE(found.size() == rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
         for (std::size_t k = 0; k < measure::edges::searched_outcomes.size(); ++k) {
-            CHECK(found[r].rays.at(k) <= 32768);
+            CHECK(found[r].ray_counts.at(k) <= 32768);
             const auto& nearest = found[r].nearest.at(k);
             if (!nearest) continue;
             INFO(rows[r].form->info->name << ", " << k);
@@ -118,9 +118,9 @@ TEST_CASE("a census counts the cracks that contraction opens, at edges and not a
                            row("triangle.undivided", "f32")};
     const auto found = measure::edges::search_edges({.search = search, .tested_forms = rows, .census_only = true});
     for (const EdgeFinding& one : found) {
-        CHECK(one.census[0].rays + one.census[1].rays == 8000);
-        CHECK(one.census[0].rays > 4 * one.census[1].rays / 2);
-        CHECK(one.rays == decltype(one.rays){});
+        CHECK(one.census[0].ray_count + one.census[1].ray_count == 8000);
+        CHECK(one.census[0].ray_count > 4 * one.census[1].ray_count / 2);
+        CHECK(one.ray_counts == decltype(one.ray_counts){});
     }
     const auto cracks = [&](std::size_t row, std::size_t target) { return found[row].census.at(target).outcomes[0]; };
     CHECK(cracks(0, 0) + cracks(0, 1) == 0);

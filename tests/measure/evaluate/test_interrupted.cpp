@@ -163,7 +163,7 @@ TEST_CASE("every computation stops where its own request says so") {
         INFO(what);
         CHECK_THROWS_AS(ask(), Interrupted);
     }
-    CHECK(state.floats_tried == 0);
+    CHECK(state.tried_float_count == 0);
 }
 
 }  // namespace lostbits::test::test_interrupted

@@ -76,8 +76,8 @@ TEST_CASE("input, model and rounding error of a march sum to its total error", "
         CHECK(checkers[r].without_self < checkers[r].compared / 20);
         std::uint64_t stops = 0;
         for (const std::uint64_t n : summaries[r].categories[5]) stops += n;
-        CHECK(stops == summaries[r].rays);
-        CHECK(summaries[r].metrics[4].count() == summaries[r].rays);
+        CHECK(stops == summaries[r].ray_count);
+        CHECK(summaries[r].metrics[4].count() == summaries[r].ray_count);
     }
 }
 

@@ -262,8 +262,8 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
         *ray_file,
         {.tested_forms = {{&form.form(), row.format}, row}, .file_answers_form = &form.form(), .metrics = all_metrics},
         kept_in(worst));
-    CHECK(result.rays == group.rays.size());
-    CHECK(result.nonzero_answer_count == result.float_answers);
+    CHECK(result.ray_count == group.rays.size());
+    CHECK(result.nonzero_answer_count == result.float_answer_count);
     require_same(result.summaries[1], result.summaries[0]);
     const auto noted = worst.all();
     // One by one.
@@ -316,7 +316,7 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
                                                           .metrics = all_metrics})
                                  .summaries.front());
     CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
-    CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hits);
+    CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hit_count);
     CHECK(s.count(answer::Outcome::not_a_number) == 0);
     for (const metric::Distribution& d : s.metrics) CHECK(d.count() == 0);
     CHECK(s.worst.x == -1);

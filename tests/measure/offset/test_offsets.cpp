@@ -88,7 +88,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
                         }
                         // A quiet offset is safe, and a point that is safe from 0 on needs no offset.
                         if (s.quiet_offset == 0) CHECK(s.safe_offset == 0);
-                        CHECK(s.rays >= 17);
+                        CHECK(s.ray_count >= 17);
                     }
                 }
             }
@@ -144,8 +144,8 @@ TEST_CASE("the strategies reported as cheapest are safe, and those left out are 
     std::set<const Strategy*> safe;
     for (const SafeStrategy& s : both) safe.insert(s.strategy);
     for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-        const bool right = summary.side_summary(Side::outside).strategies[k].bad_rays == 0 &&
-                           summary.side_summary(Side::inside).strategies[k].bad_rays == 0;
+        const bool right = summary.side_summary(Side::outside).strategies[k].bad_ray_count == 0 &&
+                           summary.side_summary(Side::inside).strategies[k].bad_ray_count == 0;
         INFO(request.strategies[k]->name);
         CHECK(right == safe.contains(request.strategies[k]));
     }

@@ -30,7 +30,7 @@ Scene scene_named(const char* name, int size) { return test::scene_named(name, s
 
 RepairRequest request_of(const Scene& scene, const char* form, double bits) {
     RepairRequest request{.scene = &scene, .tested_form = test::row(form, "f32")};
-    request.requirement = {.bits = bits, .wrong = 0, .quantile = 1};
+    request.requirement = {.bits = bits, .max_wrong_fraction = 0, .quantile = 1};
     return request;
 }
 
@@ -52,7 +52,7 @@ struct Search {
 };
 
 bool same(const FormQuality& a, const FormQuality& b) {
-    return a.wrong == b.wrong && a.hits == b.hits && a.rays == b.rays &&
+    return a.wrong_count == b.wrong_count && a.true_hit_count == b.true_hit_count && a.ray_count == b.ray_count &&
            (a.kept_bits == b.kept_bits || (std::isnan(a.kept_bits) && std::isnan(b.kept_bits)));
 }
 
@@ -118,10 +118,10 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
         QualityMeasurer measurer(request, scene);
         const auto quality = measurer.measure_quality(tapes);
         if (is_far) {
-            CHECK(quality[1].wrong > 10 * quality[0].wrong);
-            CHECK(quality[2].wrong > 10 * quality[0].wrong);
+            CHECK(quality[1].wrong_count > 10 * quality[0].wrong_count);
+            CHECK(quality[2].wrong_count > 10 * quality[0].wrong_count);
         } else {
-            CHECK(quality[1].wrong < quality[0].wrong);
+            CHECK(quality[1].wrong_count < quality[0].wrong_count);
         }
     }
 }
@@ -145,7 +145,7 @@ TEST_CASE("a form that meets the requirement has an empty set, one that double d
     REQUIRE(none.obstruction);
     CHECK_FALSE(none.obstruction->exact.meets(hard.requirement));
     REQUIRE(none.obstruction->with_unit_directions);
-    CHECK(none.obstruction->with_unit_directions->wrong < none.obstruction->exact.wrong);
+    CHECK(none.obstruction->with_unit_directions->wrong_count < none.obstruction->exact.wrong_count);
     CHECK(none.obstruction->largest_length_error > 0);
     CHECK(none.obstruction->largest_length_error < 0x1p-22);
 }
@@ -260,7 +260,7 @@ TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     const RepairResult m = repair_form(request, 1);
     CHECK(m.wider == tape::two_floats);
     CHECK(m.all_wider_quality.kept_bits > 23);
-    CHECK((m.held_out_scene.width != scene.width && m.set_held_out_quality.rays != m.own_quality.rays));
+    CHECK((m.held_out_scene.width != scene.width && m.set_held_out_quality.ray_count != m.own_quality.ray_count));
     CHECK(m.wider_set.value().quality.meets(request.requirement));
 }
 

@@ -50,16 +50,17 @@ void check_store(Native native, const measure::trade::RayPool& pool) {
             measure::trade::RayStore<S> store(pool, 50000, rate, rays_per_run, 3);
             CHECK(store.bytes() <= 50000);
             CHECK(store.bytes() > 40000);
-            CHECK(store.rays_per_run() == (rays_per_run == 0 ? store.rays() : rays_per_run));
+            CHECK(store.rays_per_run() == (rays_per_run == 0 ? store.ray_count() : rays_per_run));
             std::size_t calls = 0;
-            for (std::size_t seen = 0; seen < store.rays(); seen += store.rays_per_run(), ++calls) store.run(native);
+            for (std::size_t seen = 0; seen < store.ray_count(); seen += store.rays_per_run(), ++calls)
+                store.run(native);
             // Rays left over after the last whole run are never run.
-            const double whole = static_cast<double>(store.rays() / store.rays_per_run() * store.rays_per_run()) /
-                                 static_cast<double>(store.rays());
+            const double whole = static_cast<double>(store.ray_count() / store.rays_per_run() * store.rays_per_run()) /
+                                 static_cast<double>(store.ray_count());
             CHECK(store.hit_fraction() <= rate + 1e-3);
             CHECK(store.hit_fraction() >= rate * whole - 0.02);
             if (rays_per_run == 0)
-                CHECK(std::fabs(store.hit_fraction() - rate) <= 1.0 / static_cast<double>(store.rays()));
+                CHECK(std::fabs(store.hit_fraction() - rate) <= 1.0 / static_cast<double>(store.ray_count()));
         }
     }
 }
@@ -119,7 +120,7 @@ TEST_CASE("the cheapest row is the fastest that is never wrong and accurate enou
 TEST_CASE("a row is ranked by its median, all wrong decisions and the 99th percentile", "[trade]") {
     const std::vector<const measure::metric::Metric*> lost{measure::metric::find_metric("lost_bits")};
     measure::evaluate::FormSummary s;
-    s.rays = 100;
+    s.ray_count = 100;
     s.outcomes = {90, 2, 1, 2, 1, 4};
     s.metrics = std::vector<measure::metric::Distribution>(1);
     for (int i = 1; i <= 100; ++i) s.metrics[0].add(i == 100 ? 20 : 4);
@@ -142,16 +143,16 @@ TEST_CASE("ray buffers hold the stated share of hits", "[trade]") {
 TEST_CASE("rays are sampled evenly over a scene and compared with the primitives that most of them hit", "[trade]") {
     const auto scene = scene_named("near-benign");
     measure::trade::SceneWork work(scene);
-    CHECK(work.rays() > 1800);
-    CHECK(work.rays() <= 2100);
-    CHECK(work.primitives() == 3);  // the fourth is hidden behind the first
+    CHECK(work.ray_count() > 1800);
+    CHECK(work.ray_count() <= 2100);
+    CHECK(work.primitive_count() == 3);  // the fourth is hidden behind the first
     CHECK(work.hit_rate() > 0.05);
     CHECK(work.hit_rate() < 0.95);
     for (const auto& [format, size] : {std::pair{"f32", std::size_t{4}}, {"f64", std::size_t{8}}}) {
         const measure::evaluate::TestedForm timed = row("sphere.schoolbook", format);
-        CHECK(work.bytes(timed.format) == work.rays() * (9 * size + 1));
+        CHECK(work.bytes(timed.format) == work.ray_count() * (9 * size + 1));
         const auto pass = work.work_for(timed, intersect::simd::packed_kernels(*timed.form));
-        CHECK(pass.items == work.rays() * 3);
+        CHECK(pass.items == work.ray_count() * 3);
         pass.pass();
     }
     scene::file::Scene away = scene;
@@ -160,7 +161,7 @@ TEST_CASE("rays are sampled evenly over a scene and compared with the primitives
         0, {away.listed.front().numbers[0], away.listed.front().numbers[1], Real(50)});  // behind the eye
     measure::trade::SceneWork missing(away);
     CHECK(missing.hit_rate() == 0);
-    CHECK(missing.primitives() == 1);
+    CHECK(missing.primitive_count() == 1);
 }
 
 TEST_CASE("every row has a kernel at every register width", "[trade]") {
