@@ -232,7 +232,7 @@ ExitStatus choose_for_scene(const ChooseOptions& options, const CommonOptions& c
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder = lock_folder(folder, common, selection::scene_arguments(scene, data));
     output::choose::ChoiceWriter writer(folder);
-    output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
+    output::file::Progress progress(scene.pixel_count() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
     if (!common.quiet) selection::note_ineffective_settings(options.set, scene.id, request.tested_forms);

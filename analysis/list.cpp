@@ -127,7 +127,7 @@ Listing metric_table(const CommonOptions& /*common*/) {
     Listing list = make_listing(
         {"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
         [](const measure::metric::Metric& metric) {
-            return Cells<5>{metric.name, metric.unit, metric.layer, metric.by_default ? "yes" : "no", metric.meaning};
+            return Cells<5>{metric.name, metric.unit, metric.layer, metric.is_default ? "yes" : "no", metric.meaning};
         });
     measure::metric::MetricSet metric_set;
     const auto add = [&](const char* name, const char* example, bool has_unit, const std::string& more_meaning) {
@@ -151,7 +151,7 @@ Listing strategies(const CommonOptions& /*common*/) {
     columns.emplace_back("source");
     return make_listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& strategy) {
         Row row{std::string(strategy.name), std::string(strategy.title)};
-        for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(strategy.operations(shape.shape)));
+        for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(strategy.operation_count(shape.shape)));
         row.emplace_back(strategy.source);
         return row;
     });

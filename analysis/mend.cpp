@@ -106,7 +106,7 @@ void write_page(const std::filesystem::path& path, const RepairSummary& result, 
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
     report.mends.push_back(report::make_mend_section(result));
-    if (report.mends.front().has_times) report.processor = measure::trade::processor_name();
+    if (report.mends.front().has_times) report.processor = measure::trade::read_processor_name();
     output::file::write_file(path, output::report::page(report));
 }
 

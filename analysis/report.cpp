@@ -239,7 +239,7 @@ std::vector<const Metric*> select_map_metrics(const scene::file::Scene& scene,
     std::vector<const Metric*> metrics = extra_metrics;
     for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
         metrics.push_back(measure::metric::find_metric(metric));
-    if (scene.pixels() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
+    if (scene.pixel_count() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
     auto form_metrics = metric_set.adapt_to_forms(selection::with_default_metrics(metrics, tested_forms),
                                                   measure::evaluate::forms_of(tested_forms),
                                                   [&scene] { return measure::attribution::OwnedSetting(scene); });
@@ -260,7 +260,7 @@ void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const
         auto handling_forms = forms.select_for(scene.id, [&scene](Shapes shapes) { return scene.accepts(shapes); });
         if (handling_forms.empty()) continue;
         auto metrics = select_map_metrics(scene, handling_forms, extra_metrics, planned.metric_set);
-        planned.units += scene.pixels() * handling_forms.size();
+        planned.units += scene.pixel_count() * handling_forms.size();
 
         // The names of the scene in later commands and in claims.
         std::string scene_arguments = selection::scene_arguments(scene, data);
@@ -398,7 +398,7 @@ void measure_requested_sections(output::report::Report& report, const PlannedRep
         if (auto section = study::measure_offset_section(scene, options.stop))
             report.offsets.push_back(std::move(*section));
     }
-    if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();
+    if (options.trade || !planned.choices.empty()) report.processor = measure::trade::read_processor_name();
     for (const PlannedChoice& choice : planned.choices)
         report.choices.push_back(measure_choice_section(choice, options.stop));
     for (const report::PlannedMend& mend : planned.mends)

@@ -108,7 +108,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const auto result_folder = chosen.lock_sweep_folder(sweep.id, path);
     const auto files = result_folder ? std::make_unique<output::sweep::SweepWriter>(request, folder) : nullptr;
     request.share = chosen.division().share();
-    const auto units = measure::sweep::sweep_units(request) / request.share.count;
+    const auto units = measure::sweep::count_sweep_units(request) / request.share.count;
     const auto measured_sweep = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
     if (!measured_sweep) return;
 

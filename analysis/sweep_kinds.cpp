@@ -197,7 +197,7 @@ void add_contracted(std::vector<TestedForm>& tested_forms) {
     for (const TestedForm& tested_form : tested_forms) {
         all.push_back(tested_form);
         if (!measure::tape::has_tape(*tested_form.form)) continue;
-        const auto& contracted = measure::tape::contracted_form(*tested_form.form);
+        const auto& contracted = measure::tape::contract_form(*tested_form.form);
         if (contracted.exists_in(tested_form.format)) all.push_back({&contracted, tested_form.format});
     }
     tested_forms = std::move(all);

@@ -115,7 +115,7 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                     ? scene::rays::make_shared_rays(scene, 0, scene.height)
                     : scene::rays::make_input_rays(scene, 0, scene.height, binary64);
     ResultColumn &x = table["x"], &y = table["y"];
-    for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
+    for (std::uint64_t i = 0; i < scene.pixel_count(); ++i) {
         x.numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
         y.numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
     }

@@ -238,7 +238,7 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
     tested_form.touching = judging_convention(options, file);
 
     // Without an index, the worst ray of the case.
-    const int ray_count = file.rays_of(case_index);
+    const int ray_count = file.ray_count(case_index);
     auto groups = file.rays(case_index, tested_form.format.parameters);
     const int count = ray_count * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)

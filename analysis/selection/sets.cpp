@@ -294,7 +294,7 @@ Forms select_composed(const std::string& pattern, const char* option) {
                                return select_items(intersect::bounding_box::box_methods(), {part_pattern},
                                                    "bounding box", quoted_option.c_str());
                            },
-                       .contracted = measure::tape::contracted_form});
+                       .contracted = measure::tape::contract_form});
 
     if (composed.empty() && is_contracted)
         throw NothingSelected(

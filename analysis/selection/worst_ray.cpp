@@ -151,7 +151,7 @@ SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const Tested
                                           .front()));
     const OverallWorst worst(summaries);
     if (worst.ray == nullptr) fail_without_worst(tested_form, "the file of cases " + file.id, worst);
-    const int rays_per_group = file.rays_of(worst.summary_index),
+    const int rays_per_group = file.ray_count(worst.summary_index),
               ray_index = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
     SelectedRay found{
         nullptr,

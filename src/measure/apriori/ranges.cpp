@@ -73,7 +73,7 @@ public:
         std::vector<std::vector<double>> result;
         for (std::size_t b = 0; b < bands_.size(); ++b) {
             const auto& rays = inputs_[b].rays_for(info_);
-            for (std::size_t i = 0; i < bands_[b].pixels(); ++i)
+            for (std::size_t i = 0; i < bands_[b].pixel_count(); ++i)
                 result.push_back(tape::inputs_of(rays[i], inputs_[b].primitives[primitive], bands_[b].range(i).tmax));
         }
         return result;

@@ -100,8 +100,8 @@ private:
             case OperationKind::given:
             case OperationKind::rounded:
             case OperationKind::exact:
-                exact(i) =
-                    without_rounding<Exact>(n, [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
+                exact(i) = evaluate_without_rounding<Exact>(
+                    n, [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
                 break;
             case OperationKind::called: evaluate_call(i); break;
             case OperationKind::next_or_converted: exact(i) = exact(n.operands[0]); break;

@@ -310,7 +310,7 @@ double Explanation::ulp_of_subject() const {
     return ulp_at(std::max(side(0), side(1)), format.parameters);
 }
 
-NodeId Explanation::amplifier(NodeId from) const {
+NodeId Explanation::find_amplifier(NodeId from) const {
     if (from == no_node) return no_node;
     std::vector<bool> is_reached(tape.nodes.size());
     is_reached[from] = true;

@@ -85,7 +85,7 @@ struct Explanation {
     [[nodiscard]] double ulp_of_subject() const;
     /// The cancellation that loses the most bits among all live ones that the error of operation `from` goes through;
     /// `no_node` if none loses two bits.
-    [[nodiscard]] NodeId amplifier(NodeId from) const;
+    [[nodiscard]] NodeId find_amplifier(NodeId from) const;
     /// True if the form would hit `missed_primitive` first without rounding.
     [[nodiscard]] bool rounding_changed_order() const;
     /// Decisions that rounding changed on the path to the answer: choices that are live, and the form's own decision.

@@ -138,7 +138,7 @@ const intersect::table::Intersector& compose_form(const Claim& claim, const scen
                                        return find_part(claim, intersect::bounding_box::box_methods(), name,
                                                         "bounding-box method");
                                    },
-                               .contracted = tape::contracted_form})
+                               .contracted = tape::contract_form})
                 .front();
 }
 
@@ -222,7 +222,7 @@ std::string slow_work(const Claim& claim) {
     const metric::Metric* slow = nullptr;
     for (const metric::Metric& m : metric::metrics()) {
         const bool is_longer = slow == nullptr || m.name.size() > slow->name.size();
-        if (!m.by_default && is_longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
+        if (!m.is_default && is_longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
     }
     const bool reruns_form = slow != nullptr && (slow->needs & metric::needs_counterfactuals) != 0;
     if (asks_for_attribution(claim) && !reruns_form) return "the tape of every ray";

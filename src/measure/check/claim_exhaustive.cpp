@@ -53,7 +53,7 @@ std::vector<TallyNumber> tally_numbers(const TestedForm& tested_form, const Floa
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<TallyNumber> numbers{
         {"wrong", static_cast<double>(tally.wrong_count())},
-        {"padding_max", sweep::padding_max(tested_form, tally)},
+        {"padding_max", sweep::max_padding(tested_form, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {

@@ -45,7 +45,8 @@ public:
         if (own_quality_.meets(request_.requirement)) return 0;
         const FloatFormat wider = tape::wider_format(request_.tested_form.format.parameters, false);
         const auto quality_all_wider =
-            measurer_->measure_quality({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
+            measurer_->measure_quality({tape::widen_operations(tape_, tape::find_widenable_operations(tape_), wider)})
+                .front();
         if (!quality_all_wider.meets(request_.requirement)) return truth::missing;
         return static_cast<double>(
             find_smallest_set(tape_, wider, quality_all_wider, request_, *measurer_, 0).operations.size());

@@ -150,18 +150,18 @@ std::pair<double, double> nearness(const Candidate& candidate, const Requirement
 
 }  // namespace
 
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
+std::optional<std::size_t> find_cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     return least_of(
         candidates, [&requirement](const Candidate& candidate) { return candidate.quality.meets(requirement); },
         is_faster);
 }
 
-std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates) {
+std::optional<std::size_t> find_fastest(const std::vector<Candidate>& candidates) {
     return least_of(
         candidates, [](const Candidate&) { return true; }, is_faster);
 }
 
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates) {
+std::optional<std::size_t> find_most_accurate(const std::vector<Candidate>& candidates) {
     return least_of(
         candidates, [](const Candidate&) { return true; }, is_more_accurate);
 }
@@ -174,7 +174,7 @@ std::optional<std::size_t> find_nearest_candidate(const std::vector<Candidate>& 
         [&requirement](const Candidate& a, const Candidate& b) {
             return nearness(a, requirement) > nearness(b, requirement);
         });
-    return nearest_deciding ? nearest_deciding : most_accurate(candidates);
+    return nearest_deciding ? nearest_deciding : find_most_accurate(candidates);
 }
 
 }  // namespace lostbits::measure::choose

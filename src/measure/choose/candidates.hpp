@@ -111,11 +111,11 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
 /// Returns the indices of all candidates, cheapest first.
 std::vector<std::size_t> order_by_price(const std::vector<Candidate>& candidates);
 
-/// `cheapest` is the fastest candidate that meets the requirement. `fastest` and `most_accurate` (fewest wrong
-/// decisions, then most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement);
-std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates);
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates);
+/// `find_cheapest` is the fastest candidate that meets the requirement. `find_fastest` and `find_most_accurate` (fewest
+/// wrong decisions, then most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
+std::optional<std::size_t> find_cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement);
+std::optional<std::size_t> find_fastest(const std::vector<Candidate>& candidates);
+std::optional<std::size_t> find_most_accurate(const std::vector<Candidate>& candidates);
 /// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
 /// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
 /// error. If none has few enough wrong decisions, it is the one with the fewest.

@@ -27,7 +27,7 @@ FormQuality exact_quality(const Band& ideal, const Band& stored, const TestedFor
     FormQuality quality;
     metric::Distribution lost_bits, distances;
     const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
-    for (std::size_t i = 0; i < ideal.pixels(); ++i) {
+    for (std::size_t i = 0; i < ideal.pixel_count(); ++i) {
         const Truth stored_truth = stored.truth(i, tested_form.convention()),
                     ideal_truth = ideal.truth(i, tested_form.convention());
 
@@ -64,7 +64,7 @@ InherentLimit inherent(const Band& band, const TestedForm& tested_form, const Fo
                        const Requirement& requirement) {
     const intersect::Direction direction = tested_form.form->info->direction;
     metric::Distribution lost_bits, distances;
-    for (std::size_t i = 0; i < band.pixels(); ++i) {
+    for (std::size_t i = 0; i < band.pixel_count(); ++i) {
         const Truth ray_truth = band.truth(i, tested_form.convention());
         if (!ray_truth.is_hit()) continue;
         const double reach = band.reach(i, tested_form.convention(), direction, {.format = format});

@@ -29,7 +29,7 @@ std::uint64_t PassingPixels::count() const { return static_cast<std::uint64_t>(s
 
 PassingPixelsByForm::PassingPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& forms) {
     for (const TestedForm& tested_form : forms)
-        rows.emplace_back(request.scene->pixels(), request.requirement, tested_form.format.parameters.precision);
+        rows.emplace_back(request.scene->pixel_count(), request.requirement, tested_form.format.parameters.precision);
 }
 
 namespace {
@@ -85,7 +85,7 @@ void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_f
 
     // At each pixel, the first format in which any form meets the requirement is the narrowest.
     map.met_by_any_form_pixel_counts.assign(map.formats.size(), 0);
-    for (std::size_t i = 0; i < map.pixels(); ++i) {
+    for (std::size_t i = 0; i < map.pixel_count(); ++i) {
         int narrowest = RequirementMap::none;
         for (std::size_t f = 0; f < forms_by_format.size(); ++f) {
             const int first = first_at(forms_by_format[f], i);
@@ -117,7 +117,7 @@ RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vec
     std::vector<RankedForm> ranked;
     for (const std::size_t c : order_by_price(candidates))
         ranked.push_back({&passing_pixels.rows[c], static_cast<int>(c)});
-    for (std::size_t i = 0; i < request.scene->pixels(); ++i) map.cheapest.push_back(first_at(ranked, i));
+    for (std::size_t i = 0; i < request.scene->pixel_count(); ++i) map.cheapest.push_back(first_at(ranked, i));
     map.cheapest_pixel_counts = counts_of(map.cheapest, candidates.size());
     for (const PassingPixels& row : passing_pixels.rows) map.met_pixel_counts.push_back(row.count());
 

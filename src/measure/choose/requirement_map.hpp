@@ -53,7 +53,7 @@ struct RequirementMap {
     std::uint64_t unmet_pixel_count = 0;    ///< pixels at which nothing meets the requirement
     std::uint64_t unknown_pixel_count = 0;  ///< pixels whose truth is not proved
 
-    [[nodiscard]] std::uint64_t pixels() const { return cheapest.size(); }
+    [[nodiscard]] std::uint64_t pixel_count() const { return cheapest.size(); }
     /// Mean seconds for one ray and primitive if each pixel uses its cheapest candidate, over the pixels at which any
     /// candidate meets the requirement. Every method of switching between forms takes at least this long. NaN if there
     /// is no such pixel.

@@ -58,7 +58,7 @@ std::vector<AnsweredQuestion> questions_at_place(const Trial& trial, const scene
     rays::Random place_random(1);
     std::vector<Question> questions;
     for (int i = 0; i < attempt_count && questions.size() < max_questions; ++i) {
-        const Primitive<double> any_primitive = random_primitive(trial.shape, is_upright, random);
+        const Primitive<double> any_primitive = draw_primitive(trial.shape, is_upright, random);
         const Primitive<double> primitive = i % 4 < 2 ? any_primitive : shrink_to_apex(any_primitive);
 
         const rays::AimedPlace target = distribution.draw_target(place_random, primitive, aim);

@@ -39,7 +39,7 @@ bool has_axis(Shape shape);
 
 /// Draws a primitive of random position and shape, in numbers that floats can represent. If `is_upright`, its axis lies
 /// along x, y or z.
-Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& random);
+Primitive<double> draw_primitive(Shape shape, bool is_upright, RandomNumbers& random);
 
 /// Question about a ray and a primitive, in numbers that floats can represent.
 Question make_question(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive);

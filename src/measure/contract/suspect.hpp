@@ -24,8 +24,9 @@ struct AnswerSample {
 };
 
 /// Makes an AnswerSample with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
-AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& ray_truth,
-                           const evaluate::TestedForm& tested_form, bool hit, double t);
+AnswerSample make_answer_sample(const Ray<double>& ray, const Primitive<double>& primitive,
+                                const truth::Truth& ray_truth, const evaluate::TestedForm& tested_form, bool hit,
+                                double t);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };

@@ -158,7 +158,7 @@ public:
           random_(file_.seed) {}
 
     void run_census(EdgeFinding& finding) {
-        std::int64_t rays_left = file_.census;
+        std::int64_t rays_left = file_.census_ray_count;
         while (rays_left > 0) {
             std::vector<Eye> batch_eyes;
             std::vector<AimedRay> batch = next_batch(batch_eyes);
@@ -172,8 +172,8 @@ public:
 
     void find_outcome(EdgeFinding& finding, std::size_t outcome_index) {
         outcome_index_ = outcome_index;
-        const std::int64_t batch_count =
-            (file_.rays + eyes_per_batch * rays_per_eye - 1) / static_cast<std::int64_t>(eyes_per_batch * rays_per_eye);
+        const std::int64_t batch_count = (file_.ray_count + eyes_per_batch * rays_per_eye - 1) /
+                                         static_cast<std::int64_t>(eyes_per_batch * rays_per_eye);
         // The tolerance allows for the rounding of the eye's position.
         const auto is_near_enough = [this] { return best_ && best_->distance <= file_.distance.low * (1 + 0x1p-10); };
         for (std::int64_t k = 0; k < batch_count && !is_near_enough(); ++k) {

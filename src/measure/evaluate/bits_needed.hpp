@@ -55,7 +55,7 @@ struct BitsNeededSummary {
     void append(const BitsNeededSummary& other);
     /// Hits and misses together.
     [[nodiscard]] PrecisionCounts all() const;
-    [[nodiscard]] std::uint64_t pixels() const;
+    [[nodiscard]] std::uint64_t pixel_count() const;
 };
 
 /// Results of a form over some scanlines.

@@ -75,7 +75,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     const Primitive<double> tested_primitive = inputs.primitives[primitive];
     const intersect::table::Intersector& part_form = form.form_for(tested_primitive.shape);
     if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part_form))
-        end_margin_ = answer::end_margin(part_form, tested_form.format, ray, tested_primitive, rays.range(i));
+        end_margin_ = answer::find_end_margin(part_form, tested_form.format, ray, tested_primitive, rays.range(i));
     if (!(needs & metric::needs_steps)) return;
     if (!tested_primitive.transform || !part_form.has_transform_method) return;
     // A box in the world is not a transform step.
@@ -84,7 +84,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
 }
 
 void FormStatements::fill(metric::Sample& sample) const {
-    if (bounded_) sample.bounded = &*bounded_;
+    if (bounded_) sample.bounded_answer = &*bounded_;
     if (deciding_arithmetic_) sample.deciding_arithmetic = &*deciding_arithmetic_;
     if (steps_) sample.steps = &*steps_;
     sample.end_margin = end_margin_;

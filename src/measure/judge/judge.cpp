@@ -108,7 +108,7 @@ public:
 
 private:
     [[nodiscard]] const TestedForm& file_form() const { return request_.tested_forms[*file_form_index_]; }
-    [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
+    [[nodiscard]] std::uint64_t pixel_count() const { return pixels_of(request_); }
     [[noreturn]] void fail_wrong_size(const char* count_phrase) const {
         lostbits::measure::judge::fail_wrong_size(ray_file_, request_, result_, count_phrase);
     }
@@ -159,7 +159,7 @@ private:
         const auto width = static_cast<std::size_t>(request_.picture ? request_.picture->first : 0);
         // False for a list, and for the last piece of a file that is not a picture of this size, which `measure`
         // refuses.
-        const bool has_whole_lines = width > 0 && ray_count % width == 0 && chunk.first + ray_count <= pixels();
+        const bool has_whole_lines = width > 0 && ray_count % width == 0 && chunk.first + ray_count <= pixel_count();
         group.rays.width = static_cast<int>(has_whole_lines ? width : ray_count);
         group.rays.y0 = has_whole_lines ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? ray_count / width : 1);
@@ -247,7 +247,7 @@ private:
 
     /// Throws if the rays so far do not fit the picture.
     void require_picture_size(const Chunk& chunk) const {
-        if (request_.picture && result_.ray_count > pixels()) fail_wrong_size("has at least");
+        if (request_.picture && result_.ray_count > pixel_count()) fail_wrong_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
             fail_wrong_size("has");
     }
@@ -300,9 +300,9 @@ private:
             if (ray_truth.decision == truth::Truth::Decision::unresolved || !(hit || ray_truth.is_hit())) continue;
 
             const int primitive = ray_truth.is_hit() ? ray_truth.primitive : piece.answers.object[i];
-            result_.first_samples.push_back(contract::answer_sample(inputs.rays_for(*tested_form.form->info)[i],
-                                                                    inputs.primitives[primitive], ray_truth,
-                                                                    tested_form, hit, piece.answers.t[i]));
+            result_.first_samples.push_back(contract::make_answer_sample(inputs.rays_for(*tested_form.form->info)[i],
+                                                                         inputs.primitives[primitive], ray_truth,
+                                                                         tested_form, hit, piece.answers.t[i]));
         }
     }
 

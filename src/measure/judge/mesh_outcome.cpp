@@ -123,7 +123,7 @@ private:
     /// preferably to a crossing without a hit, and among equals to the nearest.
     void match_beside(std::size_t i) {
         const auto triangle = static_cast<std::size_t>(hits_[i].triangle);
-        const int facing = crossing::facing_of(ray_, mesh_[triangle]).value_or(0);
+        const int facing = crossing::find_facing(ray_, mesh_[triangle]).value_or(0);
         const auto& surfaces = surfaces_.all();
         const auto distance = [&](std::size_t s) {
             const MeshCrossing& owner = *surfaces[s].owners.front();

@@ -23,8 +23,8 @@ double backward_error(const Sample& sample) { return backward(sample, Perturbati
 double backward_error_normwise(const Sample& sample) { return backward(sample, Perturbation::normwise); }
 double decision_margin(const Sample& sample) {
     if (!sample.primitive || sample.march) return missing;
-    return in_roundoffs(stability::decision_margin(*sample.ray, *sample.primitive, CountedChange::root,
-                                                   Perturbation::componentwise, sample.convention, sample.range),
+    return in_roundoffs(stability::find_decision_margin(*sample.ray, *sample.primitive, CountedChange::root,
+                                                        Perturbation::componentwise, sample.convention, sample.range),
                         sample);
 }
 
@@ -71,7 +71,8 @@ double cestac_decision(const Sample& sample) {
 
 double statistical_ratio(const Sample& sample) {
     if (!explains_t(sample)) return missing;
-    const double bound = stability::statistical_bound(*sample.attribution->tape, *sample.attribution->attribution);
+    const double bound =
+        stability::compute_statistical_bound(*sample.attribution->tape, *sample.attribution->attribution);
     const double error = std::fabs(sample.attribution->attribution->error);
     return error == 0 ? 0 : error / bound;
 }

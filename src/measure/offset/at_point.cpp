@@ -207,7 +207,7 @@ private:
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
         for (const double x : departed_primitive().shape_numbers()) size = std::max(size, std::fabs(x));
-        return smallest_enough(format, start, 64 * size, verdict_on);
+        return find_smallest_enough(format, start, 64 * size, verdict_on);
     }
 
     /// Projects p onto the surface if the kind of the points is `HitPointKind::projected`, and computes the normal

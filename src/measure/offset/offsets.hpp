@@ -139,8 +139,8 @@ bool can_measure_offsets(const intersect::table::Intersector& form);
 /// A strategy that makes no bad ray (`StrategySummary::bad_rays` is 0).
 struct SafeStrategy {
     const Strategy* strategy;
-    /// Number of operations for one new ray as the rule is written (`Strategy::operations`); not a time.
-    std::uint64_t operations;
+    /// Number of operations for one new ray as the rule is written (`Strategy::operation_count`); not a time.
+    std::uint64_t operation_count;
     double size_ratio;  ///< median of `StrategySummary::size_ratio`, the largest over the sides; NaN if no side has a
                         ///< ratio
 };
@@ -148,7 +148,8 @@ struct SafeStrategy {
 /// Returns the strategies of a measured form that are safe to all of these sides, the cheapest first, and equally cheap
 /// ones in the order of the table. Safe means `StrategySummary::bad_rays` = 0: no self-hit by truth or by the form, no
 /// lost occluder and no lost exit. The result is empty if no strategy is safe, or if the form has no points.
-std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
-                                          Shape shape, std::span<const Side> sides = both_sides);
+std::vector<SafeStrategy> find_safe_strategies(const OffsetSummary& summary,
+                                               const std::vector<const Strategy*>& strategies, Shape shape,
+                                               std::span<const Side> sides = both_sides);
 
 }  // namespace lostbits::measure::offset

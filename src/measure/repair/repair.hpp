@@ -34,8 +34,8 @@ using identity::Rule;
 /// Set of operations done wider that treats x, y and z alike: groups of `find_exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    FormQuality quality{}, held_out{};     ///< quality on the scene, and on rays that were not searched on
-    std::vector<FormQuality> probed = {};  ///< quality on each probe
+    FormQuality quality{}, held_out_quality{};      ///< quality on the scene, and on rays that were not searched on
+    std::vector<FormQuality> probe_qualities = {};  ///< quality on each probe
     std::size_t group_count = 0, total_group_count = 0;  ///< number of groups in the set, and of all groups
     bool is_smallest = false;  ///< no set of groups with fewer operations passes: all were tried
 };
@@ -43,12 +43,12 @@ struct SymmetricSet {
 /// A rewritten form, equal to the original in real arithmetic.
 struct RewrittenForm {
     Tape tape;
-    std::vector<const Rule*> rules;            ///< the rules that were applied, in order
-    FormQuality quality{}, held_out{};         ///< quality on the scene, and on rays that were not searched on
-    std::size_t rounding_operation_count = 0;  ///< number of operations that round
+    std::vector<const Rule*> rules;             ///< the rules that were applied, in order
+    FormQuality quality{}, held_out_quality{};  ///< quality on the scene, and on rays that were not searched on
+    std::size_t rounding_operation_count = 0;   ///< number of operations that round
     /// The fewest operations to do wider, if the form meets the requirement only with them; they are wider in `tape`.
     std::optional<WiderSet> wider_set = {};
-    std::vector<FormQuality> probed = {};  ///< quality on each probe
+    std::vector<FormQuality> probe_qualities = {};  ///< quality on each probe
 };
 
 /// Results of the search for rewritten forms.

@@ -16,13 +16,13 @@ namespace {
 
 constexpr double min_change = 0x1p-90, max_change = 0.5;
 
-/// Largest ε for which `holds` is proved, to a factor of 2^(1/16), or of 2 from `most_tight` on, and at most
+/// Largest ε for which `holds` is proved, to a factor of 2^(1/16), or of 2 from `max_tight_margin` on, and at most
 /// `max_change`; 0 if not even `min_change` is proved. A proof for ε also proves every smaller ε. After each ε that
 /// is not proved, `guess()` estimates the largest ε, or returns 0. Two of three steps use the estimate; the third
 /// halves the interval of exponents.
 template <class Holds, class Guess>
 double largest_epsilon(const Holds& holds, const Guess& guess) {
-    const double least = std::log2(min_change), most = std::log2(max_change), tight = std::log2(most_tight);
+    const double least = std::log2(min_change), most = std::log2(max_change), tight = std::log2(max_tight_margin);
     double low = least, high = most, exponent = -24, step_down = 8;
     bool is_low = false, is_high = false;
     for (int step = 0;; ++step) {
@@ -85,7 +85,7 @@ namespace {
 template <class E>
 std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const SpanRange<E>* range,
                                            intersect::Convention convention) {
-    const RootHit<E> found_root = root_hit(span, range, convention);
+    const RootHit<E> found_root = find_root_hit(span, range, convention);
     if (found_root.hit.is_unknown()) return std::nullopt;
     const auto maximum = CriticalPoints(span).maximum();
     if (found_root.hit.is_no() || found_root.root < 0 || !maximum)
@@ -160,7 +160,7 @@ public:
                              epsilon,
                              [&](const auto&... problem) {
                                  return cases_.holds_in_all([&] { return outcome_of(problem...); },
-                                                            epsilon < most_tight && start.scale == 0 ? 24 : 8);
+                                                            epsilon < max_tight_margin && start.scale == 0 ? 24 : 8);
                              },
                              start);
         if (is_same) return true;
@@ -289,7 +289,7 @@ Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, C
     Decision decision(question, counted);
     const double proved =
         largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
-    if (proved >= most_tight) return {proved, HUGE_VAL};
+    if (proved >= max_tight_margin) return {proved, HUGE_VAL};
     const double epsilon = std::max(2 * proved, 2 * min_change);
     static_cast<void>(decision.holds(epsilon));
     const auto change = decision.find_change(epsilon);
@@ -321,8 +321,8 @@ double relative_gap(const Ray<double>& ray, const Primitive<double>& primitive) 
 
 }  // namespace
 
-std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
-                             intersect::Convention convention, Range<double> range) {
+std::size_t find_nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
+                                  intersect::Convention convention, Range<double> range) {
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < primitives.size(); ++i) order.emplace_back(relative_gap(ray, primitives[i]), i);
     std::ranges::sort(order);
@@ -366,8 +366,8 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
 
 }  // namespace
 
-double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
-                       Perturbation perturbation, intersect::Convention convention, Range<double> range) {
+double find_decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
+                            Perturbation perturbation, intersect::Convention convention, Range<double> range) {
     const Margin margin = find_margin(ray, primitive, counted, perturbation, convention, range);
     return margin.is_tight() ? margin.proved : missing;
 }

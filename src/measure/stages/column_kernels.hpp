@@ -246,7 +246,7 @@ private:
 };
 
 template <class P>
-ColumnKernels column_kernels() {
+ColumnKernels make_column_kernels() {
     ColumnKernels kernels{.lanes = P::lanes,
                           .load_floats = ColumnMoves<P>::template load<float>,
                           .load_doubles = ColumnMoves<P>::template load<double>,

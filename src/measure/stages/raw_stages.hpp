@@ -56,7 +56,7 @@ struct RawProblems {
 
 /// Problems without columns: `size` of them, whose columns are set later.
 template <class S>
-RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
+RawProblems<S> make_raw_problems(std::size_t size, const RawFindings& out) {
     return {{}, {}, {}, {}, false, {}, {}, false, {}, {}, out, size};
 }
 

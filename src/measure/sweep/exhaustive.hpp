@@ -168,7 +168,7 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
 
 /// Padding of tmax, in u, with which no hit is missed because of a gap between slabs; 0 if no hit is missed for that
 /// reason, NaN for a form that tests no box.
-double padding_max(const evaluate::TestedForm& tested_form, const FloatTally& tally);
+double max_padding(const evaluate::TestedForm& tested_form, const FloatTally& tally);
 
 /// Like `try_floats`, for a sweep across a mesh. Every float is compared with the complete truth of its ray, and its
 /// error is the metric `ulp_error`: nothing is left open.

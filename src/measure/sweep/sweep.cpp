@@ -291,7 +291,7 @@ SweepFindings measure_sweep(const SweepRequest& request) {
     return findings;
 }
 
-std::uint64_t sweep_units(const SweepRequest& request) {
+std::uint64_t count_sweep_units(const SweepRequest& request) {
     const auto draws =
         static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draw_count : 0));
     return request.tested_forms.size() * count_steps(request.sweep) * (request.sweep.axes.size() == 1 ? 2 * draws : 1);

@@ -102,7 +102,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
 SweepFindings measure_sweep(const SweepRequest& request);
 
 /// Largest number of units of progress that `run_sweep` and `find_onsets` report together.
-std::uint64_t sweep_units(const SweepRequest& request);
+std::uint64_t count_sweep_units(const SweepRequest& request);
 
 /// Verdict on a case. Wrong decisions come before wrong values; among several kinds of wrong decisions the most
 /// frequent counts.

@@ -53,7 +53,7 @@ public:
             if (file_.hits_only && ray_outcome != Outcome::agree_hit) continue;
             const double magnitude = std::fabs(result.metrics[metric_][i]);
             const double value = ray_outcome == Outcome::agree_hit
-                                     ? (file_.smallest ? 1 / magnitude : magnitude)
+                                     ? (file_.is_minimised ? 1 / magnitude : magnitude)
                                      : score_of_wrong_decision(result.inputs->rays[i], result.inputs->primitives[0]);
             if (!(value > score)) continue;
             score = value;
@@ -91,7 +91,7 @@ public:
           metric_(metric::index_of(request.metrics, file_.metric)) {}
 
     std::optional<WorstResult> run() {
-        for (int start = 0; start < file_.starts && !is_over(); ++start) climb();
+        for (int start = 0; start < file_.start_count && !is_over(); ++start) climb();
         best_.evaluation_count = evaluations_;
         return best_score_ < 0 ? std::nullopt : std::optional(best_);
     }
@@ -105,7 +105,7 @@ private:
         if (!start) return;
         SearchPoint current = *start;
         double score = -1;
-        for (int g = 0; g < file_.generations; ++g) {
+        for (int g = 0; g < file_.generation_count; ++g) {
             // All candidates of a batch have one primitive, so that their rays share a band.
             const SearchPoint parent =
                 g == 0 ? current : draw_neighbour(current, 6, file_.ranges.size(), random_.below(2));
@@ -289,7 +289,7 @@ private:
         if (!(batch_worst.score > best_score_)) return;
         best_score_ = batch_worst.score;
         best_ = {.outcome = batch_worst.outcome,
-                 .value = file_.smallest ? 1 / batch_worst.score : batch_worst.score,
+                 .value = file_.is_minimised ? 1 / batch_worst.score : batch_worst.score,
                  .ray = candidate.ray(),
                  .primitive = candidate.primitive(file_.shape),
                  .t = batch_worst.t,

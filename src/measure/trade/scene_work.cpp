@@ -23,7 +23,7 @@ constexpr std::size_t numbers_a_ray = 9;  // numbers of one ray: origin, directi
 /// primitive k counts for primitive `first_equal[k]`, or for k itself if `first_equal` is empty.
 std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector<int>& first_equal) {
     std::map<int, std::size_t> hits;
-    for (std::size_t i = 0; i < band.pixels(); ++i) {
+    for (std::size_t i = 0; i < band.pixel_count(); ++i) {
         const truth::Truth truth = band.truth(i, {});
         if (truth.is_hit()) ++hits[first_equal.empty() ? truth.primitive : first_equal[truth.primitive]];
     }
@@ -75,7 +75,8 @@ struct SceneWork::Store {
 
 Scene with_smaller_picture(const Scene& scene, int pixels) {
     Scene small_scene = scene;
-    const double factor = std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixels())));
+    const double factor =
+        std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixel_count())));
     const auto shrink = [factor](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
     small_scene.width = shrink(scene.width);
     small_scene.height = shrink(scene.height);
@@ -86,12 +87,12 @@ SceneWork::SceneWork(const Scene& scene, truth::ProofLimit limit)
     : scene_(with_smaller_picture(scene, timed_pixels)),
       culler_(std::make_unique<culling::Culler>(scene_)),
       band_(scene_, 0, scene_.height, limit, culler_.get()),
-      ray_count_(band_.pixels()) {
+      ray_count_(band_.pixel_count()) {
     choose_primitives({}, scene_.primitive_count());
 }
 
 SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limit)
-    : band_(sample, limit), ray_count_(band_.pixels()) {
+    : band_(sample, limit), ray_count_(band_.pixel_count()) {
     choose_primitives(first_equal_indices(sample.primitives), sample.primitives.size());
 }
 
@@ -129,10 +130,12 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
 
 TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form,
                               const intersect::simd::PackedFormKernels& kernels) {
-    const std::size_t items = ray_count() * primitive_count();
+    const std::size_t item_count = ray_count() * primitive_count();
     if (tested_form.format.engine == Format::Engine::native32)
-        return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, items, true};
-    return {[row_store = store<double>(tested_form), kernel = kernels.f64] { row_store->run(kernel); }, items, true};
+        return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, item_count,
+                true};
+    return {[row_store = store<double>(tested_form), kernel = kernels.f64] { row_store->run(kernel); }, item_count,
+            true};
 }
 
 }  // namespace lostbits::measure::trade

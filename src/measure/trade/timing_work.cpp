@@ -52,7 +52,7 @@ std::span<const RaySet> ray_sets(Shape shape) {
     return is_primitive(shape) ? distribution_of(shape).ray_sets() : std::span<const RaySet>();
 }
 
-RayPool ray_pool(Shape shape) {
+RayPool make_ray_pool(Shape shape) {
     const scene::rays::HitsAndMisses rays = distribution_of(shape).draw_timed_rays();
     return {rays.hits.primitives.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
 }
@@ -150,7 +150,7 @@ std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches) {
     return name == "memory" ? std::clamp(2 * caches.last, 64 * mebibyte, 1024 * mebibyte) : 0;
 }
 
-bool fits_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
+bool fits_in_cache(std::size_t bytes) { return bytes <= read_cache_sizes().l2; }
 
 const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_structs() {
     const BoxField<float>& field = *f32();

@@ -29,7 +29,7 @@ struct RayPool {
     Primitive<double> primitive;
     std::vector<Ray<double>> hits, misses;
 };
-RayPool ray_pool(Shape shape);
+RayPool make_ray_pool(Shape shape);
 
 /// Rays of a pool and a buffer for their answers, as many as fit into `bytes` bytes, in one block of memory. Columns
 /// start at cache lines, each at another offset in its page, so that reads and writes do not collide.
@@ -148,7 +148,7 @@ private:
     LazyObject<std::vector<intersect::simd::PlainBox>> box_structs_;
 };
 
-/// Many rays against the primitive of `ray_pool`, half of which hit it; otherwise like `BoxWork`.
+/// Many rays against the primitive of `make_ray_pool`, half of which hit it; otherwise like `BoxWork`.
 class RayWork {
 public:
     explicit RayWork(std::size_t bytes) : bytes_(bytes) {}
@@ -162,7 +162,8 @@ private:
     using Stores = std::array<LazyObject<RayStore<S>>, shape_names.size()>;
     template <class S>
     const std::shared_ptr<RayStore<S>>& store(Stores<S>& stores, Shape shape) {
-        return stores[static_cast<std::size_t>(shape)](ray_pool(shape), bytes_, 0.5, std::size_t{0}, std::uint64_t{1});
+        return stores[static_cast<std::size_t>(shape)](make_ray_pool(shape), bytes_, 0.5, std::size_t{0},
+                                                       std::uint64_t{1});
     }
 
     std::size_t bytes_;

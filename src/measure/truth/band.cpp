@@ -328,8 +328,8 @@ bool Band::is_unrounded(const FormatInputs& inputs, std::size_t i) const {
 }
 
 bool Band::are_all_unrounded(const FormatInputs& inputs) const {
-    return holds_for_all(pixels(), [&](std::size_t i) { return is_ray_unrounded(inputs, i); }) &&
-           holds_for_all(pixels() == 0 ? 0 : inputs.primitives.size(),
+    return holds_for_all(pixel_count(), [&](std::size_t i) { return is_ray_unrounded(inputs, i); }) &&
+           holds_for_all(pixel_count() == 0 ? 0 : inputs.primitives.size(),
                          [&](std::size_t k) { return is_primitive_unrounded(inputs, k); });
 }
 

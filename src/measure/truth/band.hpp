@@ -80,7 +80,7 @@ public:
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int scanlines() const { return scanlines_; }
     [[nodiscard]] intersect::process::StopToken stop() const { return limit_.stop; }
-    [[nodiscard]] std::size_t pixels() const { return truths_.size(); }
+    [[nodiscard]] std::size_t pixel_count() const { return truths_.size(); }
     /// Counts of the stages that settled the rays, for each ray and each primitive that it could meet.
     [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// Truth of ray i by the convention of a form.

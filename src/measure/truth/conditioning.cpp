@@ -200,8 +200,8 @@ std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& pr
 }
 
 void Band::find_condition() {
-    condition_.resize(pixels());
-    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
+    condition_.resize(pixel_count());
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixel_count(), 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             limit_.stop.check();
             condition_[i] = measure_condition(i, truths_.decision[i], truths_.primitive[i], {});
@@ -264,12 +264,13 @@ void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
             const auto index = std::pair(static_cast<std::size_t>(perturbation), static_cast<std::size_t>(length));
             if (!needs.reach[index.first][index.second]) continue;
             std::vector<double>& reaches = in.reach[index.first][index.second];
-            reaches.resize(pixels());
-            intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
-                limit_.stop.check();
-                for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    reaches[i] = measure_reach(i, truths_[i], {}, length, in.format.parameters, perturbation);
-            });
+            reaches.resize(pixel_count());
+            intersect::process::in_parallel(
+                tbb::blocked_range<std::size_t>(0, pixel_count(), 256), [&](const auto& range) {
+                    limit_.stop.check();
+                    for (std::size_t i = range.begin(); i < range.end(); ++i)
+                        reaches[i] = measure_reach(i, truths_[i], {}, length, in.format.parameters, perturbation);
+                });
         }
     }
 }

@@ -122,7 +122,7 @@ struct GatheredProblems {
     stages::RawProblems<S> gather(const ProblemColumns<From>& p, std::span<const std::size_t> indices,
                                   std::size_t lanes) {
         const std::size_t padded_size = (indices.size() + lanes - 1) / lanes * lanes;
-        auto raw = stages::raw_problems<S>(padded_size, findings.raw());
+        auto raw = stages::make_raw_problems<S>(padded_size, findings.raw());
         raw.open_ends = p.open_ends;
         raw.matrix = p.matrix;
         S* target = numbers[0];
@@ -154,7 +154,7 @@ struct GatheredProblems {
     }
     /// Added problems in whole registers, for rays without ranges; with `two_words`, also their second words.
     stages::RawProblems<S> added_problems(std::size_t lanes, bool two_words) {
-        auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, findings.raw());
+        auto raw = stages::make_raw_problems<S>((size + lanes - 1) / lanes * lanes, findings.raw());
         for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
         const auto point_to_columns = [this](std::size_t first, std::size_t count, stages::RawColumn<S>* target) {
             for (std::size_t k = 0; k < count; ++k) target[k] = {numbers[first + k], 1};
@@ -220,7 +220,7 @@ public:
 private:
     /// Returns `size` problems from `begin` on, in whole registers.
     stages::RawProblems<S> raw_at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
-        auto raw = stages::raw_problems<S>(size, found);
+        auto raw = stages::make_raw_problems<S>(size, found);
         raw.open_ends = problems_.open_ends;
         raw.matrix = problems_.matrix;
         raw.has_ranges = has_ranges_;

@@ -33,7 +33,7 @@ std::optional<std::string> not_finite_input_sentence(const Explanation& explanat
 /// Returns a sentence on the cancellation that amplifies the culprit's rounding, and on earlier errors of its
 /// operands.
 std::string amplifier_text(const Explanation& explanation, const OperationView& view) {
-    const NodeId amplifier = explanation.amplifier(explanation.attribution.culprit);
+    const NodeId amplifier = explanation.find_amplifier(explanation.attribution.culprit);
     if (amplifier == no_node) return "";
     const TapeNode& amplifier_node = explanation.tape[amplifier];
     std::string text =

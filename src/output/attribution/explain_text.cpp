@@ -142,7 +142,7 @@ std::string source_line(const Explanation& explanation, NodeId node) {
     if (!measure::tape::is_contracted(*explanation.form))
         return intersect::function::quoted_line(*explanation.form->info, explanation.format, node);
     const measure::tape::FormOperation before =
-        measure::tape::operation_before_contraction(*explanation.form, explanation.format, node);
+        measure::tape::find_operation_before_contraction(*explanation.form, explanation.format, node);
     return intersect::function::quoted_line(*before.form->info, before.format, before.node);
 }
 

@@ -36,7 +36,7 @@ std::string metric_option(const Claim& claim) {
     if (!claim.operations.empty()) return " --metric culprit";
     if (!measure::check::asks_for_attribution(claim)) {
         const Metric* const metric = metric_of_column(claim.metric);
-        return metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
+        return metric != nullptr && !metric->is_default ? fmt::format(" --metric {}", metric->name) : "";
     }
     const std::string metric = claim.metric.substr(0, claim.metric.rfind('_'));
     const auto label = metric.find('_');

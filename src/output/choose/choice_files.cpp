@@ -17,7 +17,7 @@ using table::when;
 
 ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const std::vector<Candidate>& candidates,
                           measure::choose::TimedRays timed) {
-    ChoiceResult result{request, candidates, timed, cheapest(candidates, request.requirement)};
+    ChoiceResult result{request, candidates, timed, find_cheapest(candidates, request.requirement)};
     measure::choose::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
@@ -97,7 +97,7 @@ Table<SafeOffsetRow> make_offset_table() {
         {"side", "outside: right for every ray away from the primitive; both: also for rays into it", &R::side},
         {"strategy", "rule for the start of the next ray", [](const R& r) { return r.strategy.strategy->name; }},
         {"operations", "operations per new ray, as the rule is written",
-         [](const R& r) { return r.strategy.operations; }},
+         [](const R& r) { return r.strategy.operation_count; }},
         {"oversize_p50", "1",
          "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset is "
          "needed",

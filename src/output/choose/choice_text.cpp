@@ -159,7 +159,7 @@ std::string next_ray_text(const ChoiceResult& result) {
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
         return safe.empty() ? std::string("none")
                             : fmt::format("{} ({})", safe.front().strategy->name,
-                                          text::count_with_noun(safe.front().operations, "operation"));
+                                          text::count_with_noun(safe.front().operation_count, "operation"));
     };
     return fmt::format(
         "  Cheapest strategy for the next ray that is right for all {} from {}: {} if rays only leave the primitive, "
@@ -181,7 +181,7 @@ std::string file_answers_text(const ChoiceResult& result) {
 /// Sentence that compares the time of the cheapest candidate with that of the fastest.
 std::string time_sentence(const ChoiceResult& result, const Candidate& cheapest) {
     const auto& candidates = result.candidates;
-    const Candidate& fastest = candidates[*measure::choose::fastest(candidates)];
+    const Candidate& fastest = candidates[*measure::choose::find_fastest(candidates)];
     const auto details_of = [&](const Candidate& other) {
         const int precision = other.tested_form.format.parameters.precision;
         return fmt::format("{} ({:.2f} ns{}; {}, {})", candidate_name(other), nanoseconds(other),
@@ -204,7 +204,7 @@ std::string time_sentence(const ChoiceResult& result, const Candidate& cheapest)
 
 /// Sentence that compares the cheapest candidate with the most accurate.
 std::string accuracy_sentence(const ChoiceResult& result, const Candidate& cheapest) {
-    const Candidate& most_accurate = result.candidates[*measure::choose::most_accurate(result.candidates)];
+    const Candidate& most_accurate = result.candidates[*measure::choose::find_most_accurate(result.candidates)];
     if (&most_accurate == &cheapest) return "  It is the most accurate of all.\n";
     return fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
                        times_phrase(nanoseconds(cheapest) / nanoseconds(most_accurate)), candidate_name(most_accurate),

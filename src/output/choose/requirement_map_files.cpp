@@ -98,15 +98,15 @@ private:
     }
     void add(std::string label, Rgb8 colour, std::uint64_t count, const RequirementMap& requirement_map) {
         if (count > 0)
-            legend_.push_back({std::move(label), colour, pixel::count_text(count, requirement_map.pixels())});
+            legend_.push_back({std::move(label), colour, pixel::count_text(count, requirement_map.pixel_count())});
     }
     std::vector<Rgb8> candidate_colours_, format_colours_;
     std::vector<LegendEntry> legend_;
 };
 
 std::string percent(std::uint64_t count, const RequirementMap& requirement_map) {
-    const double percentage = 100 * (static_cast<double>(count) / static_cast<double>(requirement_map.pixels()));
-    if (count == 0 || count == requirement_map.pixels()) return fmt::format("{}%", count == 0 ? 0 : 100);
+    const double percentage = 100 * (static_cast<double>(count) / static_cast<double>(requirement_map.pixel_count()));
+    if (count == 0 || count == requirement_map.pixel_count()) return fmt::format("{}%", count == 0 ? 0 : 100);
     return percentage < 0.1 ? fmt::format("{:.1g}%", percentage) : fmt::format("{:.4g}%", std::min(percentage, 99.99));
 }
 
@@ -118,7 +118,7 @@ std::vector<RequirementRow> make_requirement_rows(const ChoiceResult& result, co
         const Candidate& candidate = result.candidates[c];
         rows.push_back({candidate.tested_form.form->info->name, candidate.tested_form.format.name,
                         candidate.time.median * 1e9, requirement_map.met_pixel_counts[c],
-                        requirement_map.cheapest_pixel_counts[c], requirement_map.pixels()});
+                        requirement_map.cheapest_pixel_counts[c], requirement_map.pixel_count()});
     }
     for (std::size_t f = 0; f < requirement_map.formats.size(); ++f)
         rows.push_back({"any",
@@ -126,8 +126,8 @@ std::vector<RequirementRow> make_requirement_rows(const ChoiceResult& result, co
                         {},
                         requirement_map.met_by_any_form_pixel_counts[f],
                         requirement_map.narrowest_pixel_counts[f],
-                        requirement_map.pixels()});
-    rows.push_back({"none", "", {}, 0, requirement_map.unmet_pixel_count, requirement_map.pixels()});
+                        requirement_map.pixel_count()});
+    rows.push_back({"none", "", {}, 0, requirement_map.unmet_pixel_count, requirement_map.pixel_count()});
     return rows;
 }
 

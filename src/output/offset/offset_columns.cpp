@@ -111,7 +111,7 @@ table::Table<StrategyRow> OffsetPresentation::make_summary_table() {
                                     "format of all computations"),
         [](const R& r) -> const auto& { return r.offset_form->tested_form; });
     table.add({"operations", "operations per new ray, as the strategy is written",
-               [](const R& r) { return r.strategy->operations(r.offset_form->tested_form.form->shape); }});
+               [](const R& r) { return r.strategy->operation_count(r.offset_form->tested_form.form->shape); }});
     table.add(number_columns());
     return table;
 }

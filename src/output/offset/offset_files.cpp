@@ -277,12 +277,13 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t for
             text::count_with_noun(side_summary.ray_count, "ray"), faultless_strategies(study, side_summary)));
     }
 
-    const auto strategies_for_both_sides = measure::offset::safe_strategies(
+    const auto strategies_for_both_sides = measure::offset::find_safe_strategies(
         summary, study.strategies, offset_form.tested_form.form->shape, measure::offset::both_sides);
     if (!strategies_for_both_sides.empty())
-        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
-                                    strategies_for_both_sides.front().strategy->name,
-                                    text::count_with_noun(strategies_for_both_sides.front().operations, "operation")));
+        lines.push_back(
+            fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
+                        strategies_for_both_sides.front().strategy->name,
+                        text::count_with_noun(strategies_for_both_sides.front().operation_count, "operation")));
     return lines;
 }
 

@@ -160,8 +160,9 @@ private:
     }
 
     [[nodiscard]] bool any_stage_has(bool ShadeRule::*property) const {
-        return std::ranges::any_of(
-            study_.stages, [&](Stage s) { return measure::render::shade_rule(study_.scene.appearance, s).*property; });
+        return std::ranges::any_of(study_.stages, [&](Stage s) {
+            return measure::render::make_shade_rule(study_.scene.appearance, s).*property;
+        });
     }
 
     template <class ValueOf>

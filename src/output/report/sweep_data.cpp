@@ -113,7 +113,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
     const scene::sweep::CaseFile& file = request.file;
     const std::size_t inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
     Json names = Json::array();
-    for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
+    for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.case_note(i)}));
 
     // The file, its results, and for each row the verdicts and the bits that the inputs cost.
     return with_rows(

@@ -160,7 +160,7 @@ Table<FloatsRow> make_wrong_columns(const std::string& unit) {
           "for a form that tests a box: the largest padding of tmax that any hit it misses would need, which is the "
           "metric padding; 0 if it misses none whose slab intervals come apart",
           [](const R& r) {
-              const double padding = measure::sweep::padding_max(r.request.tested_forms[r.row], r.tally);
+              const double padding = measure::sweep::max_padding(r.request.tested_forms[r.row], r.tally);
               return table::when(padding >= 0, padding);
           }},
          {"padding_hex", unit, "the float that needs this padding, exactly", [](const R& r) {

@@ -145,8 +145,8 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     std::string text =
         case_file_head(title.size() > scene::toml::TableReader::max_title_bytes ? search.title : title,
                        fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, {} {}",
-                                   search.id, search.seed, search.starts, search.generations,
-                                   search.smallest ? "smallest" : "largest", search.metric) +
+                                   search.id, search.seed, search.start_count, search.generation_count,
+                                   search.is_minimised ? "smallest" : "largest", search.metric) +
                            (search.nearest ? ", nearest wrong decision" : ""));
 
     for (std::size_t r = 0; r < results.size(); ++r) {

@@ -160,8 +160,8 @@ std::vector<ParetoPoint> pareto_points(const TradeRequest& request, const TradeR
     std::vector<ParetoPoint> points;
     const std::size_t load = measure::trade::reference_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
-        points.push_back(measure::trade::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
-                                                      result.accuracy(set_index, k), request.metrics));
+        points.push_back(measure::trade::make_pareto_point(result.times[k][load].timing, request.kernels[k].measured,
+                                                           result.accuracy(set_index, k), request.metrics));
     }
     return points;
 }
@@ -218,7 +218,7 @@ std::string rays_text(const TradeRequest& request, const TradeResult& result, st
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
                            text::count_with_noun(judged_ray_count, "ray"), timed.ray_count, timed.primitive_count,
                            repetition_text);
-    const auto sets = measure::trade::trade_sets(request);
+    const auto sets = measure::trade::make_trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
         "the L1 cache, every other ray a hit; {}",
@@ -236,7 +236,7 @@ ScatterPlotSpec make_trade_plot(const TradeRequest& request, const TradeResult& 
     const auto qualities = pareto_points(request, result, set_index);
     const std::size_t load = measure::trade::reference_load(request.loads);
     ScatterPlotSpec spec;
-    spec.title = fmt::format("Time against kept bits: {}", measure::trade::trade_sets(request)[set_index].title);
+    spec.title = fmt::format("Time against kept bits: {}", measure::trade::make_trade_sets(request)[set_index].title);
     spec.subtitle = {rays_text(request, result, set_index),
                      "Named: the Pareto front, and every form from outside lostbits. Fewer wrong decisions count "
                      "before more bits, so the front may step down to a form that is never wrong."};
@@ -296,7 +296,7 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
 std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoPoint>& qualities) {
     std::vector<std::pair<std::string, std::string>> lines;  // bits, answer
     for (const int bits : measure::trade::summary_bits) {
-        const auto best = measure::trade::cheapest(qualities, bits);
+        const auto best = measure::trade::find_cheapest(qualities, bits);
         const std::string answer =
             best ? fmt::format("{}: {:.2f} ns", kernel_phrase(request.kernels[*best]), qualities[*best].time_ns)
                  : "none";
@@ -312,7 +312,7 @@ std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoP
 
 std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     std::string text;
-    const auto sets = measure::trade::trade_sets(request);
+    const auto sets = measure::trade::make_trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
@@ -343,7 +343,7 @@ std::vector<TimeRow> make_time_rows(const TradeRequest& request, const TradeResu
 
 std::vector<ParetoRow> make_pareto_rows(const TradeRequest& request, const TradeResult& result) {
     std::vector<ParetoRow> rows;
-    const auto sets = measure::trade::trade_sets(request);
+    const auto sets = measure::trade::make_trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points(request, result, s);
         const auto is_dominated = measure::trade::find_dominated(qualities);
@@ -360,7 +360,7 @@ std::vector<ParetoRow> make_pareto_rows(const TradeRequest& request, const Trade
 void TradeWriter::finish(const TradeResult& result) {
     times_.add_all(make_time_rows(request_, result));
     pareto_.add_all(make_pareto_rows(request_, result));
-    const auto sets = measure::trade::trade_sets(request_);
+    const auto sets = measure::trade::make_trade_sets(request_);
     for (std::size_t s = 0; s < sets.size(); ++s)
         image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
                            plot::draw_scatter_plot(make_trade_plot(request_, result, s)));

@@ -77,7 +77,7 @@ struct Scene {
     Appearance appearance;                                 ///< for pictures of the scene
     std::filesystem::path path;
 
-    [[nodiscard]] std::uint64_t pixels() const {
+    [[nodiscard]] std::uint64_t pixel_count() const {
         return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     }
     /// True if forms for these shapes can be used on the scene: the shapes are those of its primitives or, for `sdf`,

@@ -239,7 +239,7 @@ Primitive<double> CaseFile::PrimitiveSpec::primitive_in(const FloatFormat& forma
     return primitive;
 }
 
-bool CaseFile::have_transform() const {
+bool CaseFile::has_transform() const {
     return std::ranges::any_of(cases_, [](const Case& case_) {
         return std::ranges::any_of(case_.primitives, [](const PrimitiveSpec& spec) { return !spec.matrix.empty(); });
     });

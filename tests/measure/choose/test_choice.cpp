@@ -42,15 +42,15 @@ TEST_CASE("the cheapest row that meets a requirement is neither the fastest nor 
     const double none = std::nan("");
     const std::vector<Candidate> all{candidate(1, 0, 9), candidate(2, 1, 20), candidate(3, 0, 17), candidate(4, 0, 22),
                                      candidate(0.5, 50, none)};
-    CHECK(cheapest(all, {.bits = 16}) == 2);
-    CHECK(cheapest(all, {.bits = 16, .max_wrong_fraction = 0.01}) == 1);
-    CHECK(cheapest(all, {.bits = 8}) == 0);
-    CHECK(fastest(all) == 4);
-    CHECK(most_accurate(all) == 3);
-    CHECK_FALSE(cheapest(all, {.bits = 23}));
+    CHECK(find_cheapest(all, {.bits = 16}) == 2);
+    CHECK(find_cheapest(all, {.bits = 16, .max_wrong_fraction = 0.01}) == 1);
+    CHECK(find_cheapest(all, {.bits = 8}) == 0);
+    CHECK(find_fastest(all) == 4);
+    CHECK(find_most_accurate(all) == 3);
+    CHECK_FALSE(find_cheapest(all, {.bits = 23}));
     CHECK(find_nearest_candidate(all, {.bits = 23}) == 3);
     CHECK(measure::choose::find_nearest_candidate({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
-    CHECK_FALSE(cheapest({candidate(1, 0, none)}, {.bits = 0}));
+    CHECK_FALSE(find_cheapest({candidate(1, 0, none)}, {.bits = 0}));
 }
 
 TEST_CASE("every row is timed on rays of the scene and has the accuracy that a map reports") {
@@ -87,7 +87,7 @@ TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms 
             candidate.time.high_quartile = candidate.time.median * (1 + spread);
         }
         all[1].isa = isa;
-        return output::choose::choice_text({request, all, {2000, 1}, cheapest(all, request.requirement)});
+        return output::choose::choice_text({request, all, {2000, 1}, find_cheapest(all, request.requirement)});
     };
     const std::string near = said(1, 1.002, 0.02, "512"), apart = said(1, 1.5, 0.02, "512");
     CHECK(near.find("It is the fastest of all") == std::string::npos);
@@ -148,7 +148,7 @@ TEST_CASE("a mesh, with a matrix or without, moves with everything else, and doe
         REQUIRE(there);
         const measure::truth::Band before(scene, 0, scene.height), after(there->scene, 0, scene.height);
         std::size_t hits = 0, other = 0;
-        for (std::size_t i = 0; i < before.pixels(); ++i) {
+        for (std::size_t i = 0; i < before.pixel_count(); ++i) {
             const measure::truth::Truth a = before.truth(i, {}), b = after.truth(i, {});
             hits += a.is_hit();
             other += a.is_hit() != b.is_hit() || (a.is_hit() && std::fabs(a.t.hi / b.t.hi - 1) > 1e-6);

@@ -170,7 +170,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
         REQUIRE(there);
         const measure::truth::Band band = there->rays.band({});
         std::size_t hits = 0;
-        for (std::size_t i = 0; i < here.pixels() && growth != Growth::radius; ++i) {
+        for (std::size_t i = 0; i < here.pixel_count() && growth != Growth::radius; ++i) {
             REQUIRE(band.truth(i, {}).primitive == here.truth(i, {}).primitive);
             if (!here.truth(i, {}).is_hit()) continue;
             ++hits;
@@ -307,14 +307,14 @@ TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels")
     REQUIRE(safe);
     CHECK(safe->point_count > 100);
     REQUIRE_FALSE(safe->outside.empty());
-    CHECK(safe->outside.front().operations == 0);  // the primitive is at least not tested
+    CHECK(safe->outside.front().operation_count == 0);  // the primitive is at least not tested
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
     const measure::offset::OffsetStudy request{.scene = scene,
                                                .tested_forms = {{row}},
                                                .strategies = measure::offset::all_strategies(),
                                                .search_quiet_offset = false};
-    const auto all =
-        measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
+    const auto all = measure::offset::find_safe_strategies(measure::study::run_study(request).front(),
+                                                           request.strategies, Shape::sphere);
     REQUIRE(safe->both_sides.size() == all.size());
     for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both_sides[k].strategy == all[k].strategy);
     CHECK_FALSE(find_safe_offsets(scene_of_choice("sphereflake-near"), row));

@@ -90,11 +90,11 @@ TEST_CASE("each pixel takes the cheapest right row, and the narrowest format tha
         auto every = rows;
         every.insert(every.end(), untimed_forms.begin(), untimed_forms.end());
         const auto maps = maps_of(scene, every);
-        REQUIRE(r.pixels() == scene.pixels());
+        REQUIRE(r.pixel_count() == scene.pixel_count());
         REQUIRE(r.formats.size() == 4);
         CHECK(r.formats[0].name == "fp16");
         CHECK(r.formats[3].name == "f64");
-        for (std::size_t i = 0; i < r.pixels(); ++i) {
+        for (std::size_t i = 0; i < r.pixel_count(); ++i) {
             int cheapest = RequirementMap::none, narrowest = 1000;
             for (std::size_t k = 0; k < every.size(); ++k) {
                 if (!maps[k].right(i, bits, every[k].format.parameters.precision)) continue;
@@ -111,14 +111,14 @@ TEST_CASE("each pixel takes the cheapest right row, and the narrowest format tha
 TEST_CASE("pixel counts of a requirement sum to the image, and fewer pixels meet a stricter requirement") {
     const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
     const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point"}, {"f32", "f64"});
-    std::vector<std::uint64_t> before(rows.size(), scene.pixels() + 1);
+    std::vector<std::uint64_t> before(rows.size(), scene.pixel_count() + 1);
     for (const double bits : {0.0, 10.0, 20.0, 24.5, 45.0, 53.5}) {
         const auto [request, all, r] = require(scene, rows, {1, 3, 2, 4}, bits);
         const auto sum = [](const std::vector<std::uint64_t>& counts) {
             return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
         };
-        CHECK(sum(r.cheapest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixels());
-        CHECK(sum(r.narrowest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixels());
+        CHECK(sum(r.cheapest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixel_count());
+        CHECK(sum(r.narrowest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixel_count());
         for (std::size_t k = 0; k < rows.size(); ++k) {
             CHECK(r.met_pixel_counts[k] <= before[k]);
             CHECK(r.cheapest_pixel_counts[k] <= r.met_pixel_counts[k]);
@@ -140,8 +140,8 @@ TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
     const auto hits = static_cast<std::uint64_t>(std::ranges::count(maps[0].outcomes, Outcome::agree_hit));
     REQUIRE(hits > 0);
     CHECK(r.narrowest_pixel_counts[1] == hits);
-    CHECK(r.narrowest_pixel_counts[0] == r.pixels() - hits);
-    CHECK(r.met_pixel_counts[1] == r.pixels());
+    CHECK(r.narrowest_pixel_counts[0] == r.pixel_count() - hits);
+    CHECK(r.met_pixel_counts[1] == r.pixel_count());
 }
 
 TEST_CASE("a form that computes in double does not show that float is enough") {
@@ -152,7 +152,7 @@ TEST_CASE("a form that computes in double does not show that float is enough") {
     REQUIRE(r.formats.size() == 2);
     CHECK(r.formats[1].name == "f64");
     std::uint64_t by_float = 0, by_double = 0;
-    for (std::size_t i = 0; i < r.pixels(); ++i) {
+    for (std::size_t i = 0; i < r.pixel_count(); ++i) {
         const bool narrow = maps[0].right(i, 20, 24);
         by_float += narrow;
         by_double += !narrow && maps[1].right(i, 20, 24);

@@ -101,7 +101,7 @@ TEST_CASE("an edge search finds the leak that contraction opens in a watertight 
                                   "scene = \"mesh-icosphere-near\"\ndistance = [\"0x1p-10\", \"0x1p20\"]\n"
                                   "rays = 32768\n");
     const measure::evaluate::TestedForm plain = row("triangle.woop", "f32");
-    const auto found = found_by(search, {plain, {&measure::tape::contracted_form(*plain.form), plain.format}});
+    const auto found = found_by(search, {plain, {&measure::tape::contract_form(*plain.form), plain.format}});
     CHECK_FALSE(found[0].nearest[0].has_value());
     CHECK(found[1].nearest[0].has_value());
 }
@@ -113,7 +113,7 @@ TEST_CASE("a census counts the cracks that contraction opens, at edges and not a
                                   "rays = 1\ncensus = 8000\n");
     const measure::evaluate::TestedForm plain = row("triangle.woop", "f32");
     const std::vector rows{plain,
-                           {&measure::tape::contracted_form(*plain.form), plain.format},
+                           {&measure::tape::contract_form(*plain.form), plain.format},
                            row("triangle.filtered", "f32"),
                            row("triangle.undivided", "f32")};
     const auto found = measure::edges::search_edges({.search = search, .tested_forms = rows, .census_only = true});

@@ -29,8 +29,8 @@ public:
     explicit PassingPixelsByForm(const scene::file::Scene& scene) {
         const measure::truth::Band band(scene, 0, scene.height);
         const std::size_t triangles = scene::rays::PrimitiveList(scene::rays::make_shared_primitives(scene)).size();
-        for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixels());
-        intersect::process::in_parallel(std::size_t{0}, band.pixels(), [&](std::size_t i) {
+        for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixel_count());
+        intersect::process::in_parallel(std::size_t{0}, band.pixel_count(), [&](std::size_t i) {
             for (std::size_t s = 0; s < triangles; ++s) {
                 const Truth closed = band.truth_of_primitive(i, s, AtOrigin::hit);
                 const Truth ahead = closed.on_surface ? band.truth_of_primitive(i, s, AtOrigin::miss) : closed;

@@ -74,7 +74,7 @@ public:
         RawFindings out{settled.data(), hit.data(), {}, {}};
         if (key.wants_t) out.t = {t[0].data(), t[1].data(), t[2].data()};
         if (key.wants_distance) out.distance = {distance[0].data(), distance[1].data(), distance[2].data()};
-        auto p = raw_problems<S>(rays, out);
+        auto p = make_raw_problems<S>(rays, out);
         const auto column = [this](std::size_t k) {
             return RawColumn<S>{columns_[k].data(),
                                 is_of_primitive(k) && one_primitive_ ? std::size_t{0} : std::size_t{1}};

@@ -214,7 +214,7 @@ TEST_CASE("the padding that suffices for every float is that of the slabs, also 
         file.rays = {file.rays[ray]};
         const auto request = request_of(file, {{&form, *find_format("f32")}});
         const auto found = sweep::collect_findings(request, run(request)).front().tally;
-        return sweep::padding_max(request.tested_forms[0], found);
+        return sweep::max_padding(request.tested_forms[0], found);
     };
     const auto form = [](std::string_view name) -> const intersect::table::Intersector& {
         return *std::ranges::find(intersect::table::catalogue(), name, [](const auto& row) { return row.info->name; });

@@ -96,8 +96,8 @@ TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and dep
 
 TEST_CASE("a search at edges separates slabs further than random rays do") {
     SearchFile search(folder / "padding.toml");
-    search.starts = 64;
-    search.generations = 96;
+    search.start_count = 64;
+    search.generation_count = 96;
     const WorstRequest request{.search = search,
                                .tested_forms = {row("box.filtered", "f32"), row("box.filtered", "f64")},
                                .metrics = metrics_of(search)};
@@ -111,8 +111,8 @@ TEST_CASE("a search at edges separates slabs further than random rays do") {
 
 TEST_CASE("a search for a minimum reports the metric itself and goes on after a wrong decision") {
     SearchFile search(folder / "bound-ratio.toml");
-    search.starts = 8;
-    search.generations = 16;
+    search.start_count = 8;
+    search.generation_count = 16;
     const auto found = worst_of(search, row("sphere.embree_point", "f32"));
     REQUIRE(found);
     CHECK(found->outcome == Outcome::agree_hit);
@@ -123,8 +123,8 @@ TEST_CASE("a search for a minimum reports the metric itself and goes on after a 
 
 TEST_CASE("a search that counts hits only does not stop at a wrong decision") {
     SearchFile search(folder / "backward-far.toml");
-    search.starts = 2;
-    search.generations = 16;
+    search.start_count = 2;
+    search.generation_count = 16;
     const auto worst = [&] { return worst_of(search, row("sphere.schoolbook", "f32")); };
     const auto hit = worst();
     search.hits_only = false;
@@ -141,8 +141,8 @@ TEST_CASE("a search reports for its worst ray what that ray measures alone") {
     int hits = 0, wrong = 0;
     for (const char* name : {"near", "far"}) {
         SearchFile search(folder / (std::string(name) + ".toml"));
-        search.starts = 2;
-        search.generations = 16;
+        search.start_count = 2;
+        search.generation_count = 16;
         for (const TestedForm& tested_form : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"),
                                               row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
             CAPTURE(name, tested_form.form->info->name, tested_form.format.name);

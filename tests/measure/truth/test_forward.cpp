@@ -65,7 +65,8 @@ struct Problem {
     /// second is to the first as 2^-e S/r <= m/64 at most, or, of the middle of a sphere, where r² stands for S r, as
     /// 2^-e (S/r)² <= 1/64.
     [[nodiscard]] int certain_within(Perturbation perturbation) const {
-        const double margin = measure::stability::decision_margin(ray, primitive, CountedChange::root, perturbation);
+        const double margin =
+            measure::stability::find_decision_margin(ray, primitive, CountedChange::root, perturbation);
         return margin > 0 ? static_cast<int>(std::ceil(6 - 2 * std::log2(margin))) : 1000;
     }
 };

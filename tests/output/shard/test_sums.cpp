@@ -54,7 +54,7 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
     const auto touching = load("offset-touching", 6, 40);
     const std::vector rows{row("sphere.half_b", "f32"), row("sphere.press", "bf16")};
     check_parts(measure::consistency::ConsistencyStudy{
-        .scene = touching, .tested_forms = rows, .checks = measure::consistency::checks_for(touching, rows)});
+        .scene = touching, .tested_forms = rows, .checks = measure::consistency::select_checks(touching, rows)});
     check_parts(
         measure::offset::OffsetStudy{.scene = touching,
                                      .tested_forms = {{rows[0]}, {rows[1], measure::offset::HitPointKind::projected}},
