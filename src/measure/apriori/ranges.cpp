@@ -131,7 +131,7 @@ double quantile(std::vector<std::pair<double, double>>& weighted, double fractio
     return HUGE_VAL;
 }
 
-void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, double>>& leaves, const TapeBound& bound,
+void summarise(RangesBound& result, const std::vector<std::pair<const SubBox*, double>>& leaves, const TapeBound& bound,
                const FloatFormat& format) {
     std::vector<std::pair<double, double>> errors, ulps;
     const SubBox* worst = nullptr;
@@ -250,7 +250,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         result.errors_of_drawn_rays.append(observe_errors(query, draw_inputs(query, drawn_boxes, drawn_rays_per_box)));
     }
 
-    summarize(result, leaves, bound, request.format.parameters);
+    summarise(result, leaves, bound, request.format.parameters);
     return result;
 }
 

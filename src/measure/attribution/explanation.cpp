@@ -73,7 +73,8 @@ struct NearbyRays {
 
 /// Mean lost bits over the rays whose truth is known. A wrong decision loses all bits. If t does not count, a right
 /// decision loses none.
-double mean_lost_bits(const Intersector& form, const Format& format, const NearbyRays& nearby_rays, bool counts_t) {
+double compute_mean_lost_bits(const Intersector& form, const Format& format, const NearbyRays& nearby_rays,
+                              bool counts_t) {
     double sum = 0;
     int counted = 0;
     for (const OneRay& ray : nearby_rays.rays) {
@@ -139,7 +140,8 @@ FormResult evaluate_other_form(const Explanation& explanation, const OneRay& ray
     // A form that answers only hit or miss loses no bits of t, but it is not better than a form with a right t.
     const bool answers_no_t = std::isnan(result.lost_bits) && !std::isnan(explanation.result.lost_bits);
     if (result.is_right() && !lost_all && !answers_no_t && !result.has_other_truth)
-        result.mean_lost_nearby = mean_lost_bits(form, explanation.format, nearby_rays, explanation.returns_t());
+        result.mean_lost_nearby =
+            compute_mean_lost_bits(form, explanation.format, nearby_rays, explanation.returns_t());
     return result;
 }
 
@@ -167,7 +169,7 @@ std::vector<const Intersector*> collect_other_forms(const Explanation& explanati
 void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const NearbyRays& nearby_rays,
                               std::span<const Intersector* const> named_forms) {
     explanation.result.mean_lost_nearby =
-        mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
+        compute_mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
 
     for (const Intersector* const other : collect_other_forms(explanation, named_forms)) {
         // The user learns which of the named forms cannot be compared; others are skipped.
@@ -253,8 +255,8 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
 }
 
 /// The true t of the ray under another range; nothing if it misses.
-std::optional<double> true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
-                                      const intersect::Info& info) {
+std::optional<double> find_true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
+                                           const intersect::Info& info) {
     scene::rays::RayGroup group = scene::rays::make_group(in.format_inputs.rays[in.index]);
     group.rays.tmin = {range.tmin};
     group.rays.tmax = {range.tmax};
@@ -273,8 +275,9 @@ void find_hits_out_of_range(Explanation& explanation, const OneRay& ray, const O
     const Range<double> range = in.format_inputs.rays.range(in.index);
     if (range.is_whole() || !range.holds_any()) return;
     const intersect::Info& info = *explanation.form->info;
-    explanation.t_beyond_tmax = true_t_in_range({range.tmin, HUGE_VAL, {.tmin = range.open_ends.tmin}}, ray, in, info);
-    explanation.t_before_tmin = true_t_in_range({0, range.tmax, {.tmax = range.open_ends.tmax}}, ray, in, info);
+    explanation.t_beyond_tmax =
+        find_true_t_in_range({range.tmin, HUGE_VAL, {.tmin = range.open_ends.tmin}}, ray, in, info);
+    explanation.t_before_tmin = find_true_t_in_range({0, range.tmax, {.tmax = range.open_ends.tmax}}, ray, in, info);
 }
 
 /// True for equal numbers and for two NaN.

@@ -27,7 +27,7 @@ using scene::check::Claim;
 namespace {
 
 /// Names a requirement of a claim that this machine does not meet; empty if it meets all of them.
-std::string unmet_requirement(const Claim& claim) {
+std::string find_unmet_requirement(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
     const auto has_name = [&claim](const intersect::table::Intersector& known) {
         return known.info->name == claim.form;
@@ -251,7 +251,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
     std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& claim = claims[i];
-        results[i].reason = unmet_requirement(claim);
+        results[i].reason = find_unmet_requirement(claim);
         if (results[i].reason.empty())
             groups[{claim.subject.index(), claim.subject_name(), slow_work(claim)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;

@@ -17,7 +17,7 @@ namespace {
 
 /// Columns of a summary that hold numbers. A claim about culprits names operations instead (`culprits`).
 std::vector<SummaryColumn> number_columns(const std::vector<const Metric*>& metrics) {
-    auto columns = evaluate::summary_columns(metrics);
+    auto columns = evaluate::make_summary_columns(metrics);
     std::erase_if(columns, [](const SummaryColumn& column) {
         return column.kind == SummaryColumn::Kind::category || column.name == "culprit_fraction";
     });

@@ -103,7 +103,8 @@ std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t form_index, std::uint32_t float_index) {
+evaluate::WorstRay make_witness_at(const ExhaustiveRequest& request, std::size_t form_index,
+                                   std::uint32_t float_index) {
     const auto float_answer = sweep::answer_at(request, 0, form_index, float_index);
     const auto ray_group =
         std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
@@ -150,7 +151,7 @@ ClaimResult judge_tally(const Claim& claim, std::size_t form_index, const Exhaus
     require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
     if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)
-        result.witness = witness_at(request, form_index, *float_index);
+        result.witness = make_witness_at(request, form_index, *float_index);
     return result;
 }
 

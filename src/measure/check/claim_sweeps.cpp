@@ -48,8 +48,8 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
 }
 
 /// Bounds of the 99th percentile that a claim is about; empty for a claim about another number.
-std::optional<metric::Bounds> quantile_bounds(const Claim& claim, const ClaimColumns& columns,
-                                              const evaluate::FormSummary& summary) {
+std::optional<metric::Bounds> compute_quantile_bounds(const Claim& claim, const ClaimColumns& columns,
+                                                      const evaluate::FormSummary& summary) {
     if (!claim.metric.ends_with("_p99")) return std::nullopt;
     const auto bound = [&](const char* name) {
         Claim bound_claim = claim;
@@ -96,7 +96,7 @@ void measure_position(const AxesClaims& axes_claims, const sweep::SweepRequest& 
         if (!request.sweep.has_random_rays()) continue;
         result.sample_count = summary.view_count;
         if (summary.ray_count == summary.view_count)
-            result.bounds = quantile_bounds(claim, axes_claims.columns, summary);
+            result.bounds = compute_quantile_bounds(claim, axes_claims.columns, summary);
     }
 }
 

@@ -46,7 +46,7 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
 
 /// Returns the point seen at a pixel: o + t*·d of its ray, each coordinate rounded to the format. Returns nothing if
 /// the ray truly misses.
-std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i) {
+std::optional<Vec<double>> find_seen_point(const FormOnBand& band_form, std::size_t i) {
     const Truth ray_truth = band_form.band.truth(i, band_form.tested_form.convention());
     if (!ray_truth.is_hit()) return std::nullopt;
     const double t = std::ldexp(ray_truth.t.hi, static_cast<int>(ray_truth.t.exponent));
@@ -85,7 +85,7 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, Segm
     std::vector<SegmentRays> segments;
     RayBlock first, second;
     for (std::size_t i = 0; i < band_form.pixel_count(); ++i) {
-        const auto q = seen_point(band_form, i);
+        const auto q = find_seen_point(band_form, i);
         if (!q) continue;
         const SegmentRays s = write_segment(start_of(i), *q, band_form.tested_form.format, end);
         if (!are_proper(s)) continue;

@@ -54,7 +54,7 @@ constexpr LengthMisuse length_misuses[]{
 /// Rays whose answers distinguish mistakes about a length: the plainest ray and some rays beside it, at two lengths.
 /// One length is not enough, since 2 doubled is 2 squared. A length of a flat shape only decides how far from the
 /// middle the shape is hit.
-std::vector<Question> questions_about_length(Shape shape, std::size_t index) {
+std::vector<Question> make_questions_about_length(Shape shape, std::size_t index) {
     std::vector<Question> questions{plainest_question(shape), plainest_question(shape, 8)};
     questions[1].ray.origin.x = 0.5;
     questions[1].ray.origin.y = 0.25;
@@ -84,7 +84,7 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     if (!length) return std::nullopt;
 
     std::vector<std::pair<Question, Reply>> answered;
-    for (const Question& question : questions_about_length(trial.shape, length->number_index))
+    for (const Question& question : make_questions_about_length(trial.shape, length->number_index))
         answered.emplace_back(question, trial.ask(question));
 
     // A mistake explains an answer that is right for a primitive with the changed length.

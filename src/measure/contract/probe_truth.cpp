@@ -23,7 +23,7 @@ int greatest_power(const intersect::external::Contract& contract) {
 }
 
 /// Simple rays at a primitive of half-width 2·size: through its centre, off its centre, from inside, and past it.
-std::vector<Question> questions_of_size(Shape shape, double size) {
+std::vector<Question> make_questions_of_size(Shape shape, double size) {
     std::vector<Question> questions{
         question_along_z(shape, -5 * size, 1, 0, 2 * size), question_along_z(shape, -8 * size, 1, 0, 2 * size),
         question_along_z(shape, size, 1, 0, 2 * size), question_along_z(shape, -5 * size, 1, 0, 2 * size)};
@@ -88,7 +88,7 @@ constexpr Aim aims[]{
 };
 
 /// Rays of one method of aiming, at primitives as in scenes, and at the primitive around the origin with half-width 2.
-std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool is_upright) {
+std::vector<Question> make_aimed_questions(const Trial& trial, const Aim& aim, bool is_upright) {
     RandomNumbers random;
     std::vector<Question> questions;
     for (int i = 0; i < 320 && questions.size() < 96; ++i) {
@@ -266,7 +266,7 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
 void try_scale(Trial& trial) {
     // Text about the answer to the ray i at a size, if the answer is wrong; empty otherwise.
     const auto answer_at = [&trial](std::size_t i, double size) -> std::string {
-        const Question q = questions_of_size(trial.shape, size)[i];
+        const Question q = make_questions_of_size(trial.shape, size)[i];
         const HitOrMiss right = trial.truth(q), answer = read_reply(trial.contract, trial.ask(q), q);
         const bool is_right = right.hit == answer.hit &&
                               (!right.hit || !trial.reports_t || std::fabs(answer.t - right.t) <= 0x1p-8 * size);
@@ -275,7 +275,7 @@ void try_scale(Trial& trial) {
                " is right: it seems to ";
     };
     const int max_power = greatest_power(trial.contract);
-    for (std::size_t i = 0; i < questions_of_size(trial.shape, 1).size(); ++i) {
+    for (std::size_t i = 0; i < make_questions_of_size(trial.shape, 1).size(); ++i) {
         if (!answer_at(i, 1).empty()) continue;  // wrong at any size
 
         // Smaller sizes, then larger ones.
@@ -301,7 +301,7 @@ void try_rays(Trial& trial) {
     for (const bool is_upright : {true, false}) {
         if (is_upright && !has_axis(trial.shape)) continue;
         for (const Aim& aim : aims) {
-            const std::vector<Question> questions = aimed_questions(trial, aim, is_upright);
+            const std::vector<Question> questions = make_aimed_questions(trial, aim, is_upright);
             if (questions.size() < 24) continue;  // rays from within a flat shape
             const WrongCount count(trial, add_truths(trial, questions));
             tested += count.tested_count;

@@ -174,10 +174,10 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
     // A pixel leaves its scan at the first precision, from the largest down, that is not enough.
     std::vector<Scan> scans = make_scans(results);
     for (int precision = max_precision; precision >= min_precision; --precision) {
-        const auto needs_unit_rays = [&](const Scan& s) {
-            return !s.pixels.empty() && results[s.form_index].form->direction == Direction::unit;
+        const auto needs_unit_rays = [&](const Scan& scan) {
+            return !scan.pixels.empty() && results[scan.form_index].form->direction == Direction::unit;
         };
-        if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
+        if (!std::ranges::all_of(scans, [](const Scan& scan) { return scan.pixels.empty(); })) {
             const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(precision)),
                                                     {.unit_rays = std::ranges::any_of(scans, needs_unit_rays)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
@@ -190,8 +190,8 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
     }
 
     // The smallest precision is enough for the pixels that are left.
-    for (const Scan& s : scans) {
-        for (const std::uint32_t i : s.pixels) results[s.form_index].bits_needed[i] = min_precision;
+    for (const Scan& scan : scans) {
+        for (const std::uint32_t i : scan.pixels) results[scan.form_index].bits_needed[i] = min_precision;
     }
     return results;
 }

@@ -175,7 +175,7 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
         if (hit) deciding.insert(object);
         if (ray_truth.is_hit()) deciding.insert(ray_truth.primitive);
     }
-    w.given = result_.band->original_group(i, deciding);
+    w.given = result_.band->make_original_group(i, deciding);
     return w;
 }
 

@@ -232,7 +232,7 @@ std::string column_name(const Metric& metric, const metric::Statistic& statistic
     return column_name(metric) + "_" + std::string(statistic.name);
 }
 
-Columns summary_columns(const std::vector<const Metric*>& metrics) {
+Columns make_summary_columns(const std::vector<const Metric*>& metrics) {
     Columns columns = make_outcome_columns();
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (metrics[m]->depends_on_forms) add_culprit(*metrics[m], m, columns);
@@ -288,7 +288,7 @@ Columns make_worst_columns(const std::vector<Shape>& shapes) {
     return columns;
 }
 
-Columns wrong_decision_columns() {
+Columns make_wrong_decision_columns() {
     using W = WorstRay;
     Columns columns{
         {.name = "fault_outcome",

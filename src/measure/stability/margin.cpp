@@ -21,7 +21,7 @@ constexpr double min_change = 0x1p-90, max_change = 0.5;
 /// is not proved, `guess()` estimates the largest ε, or returns 0. Two of three steps use the estimate; the third
 /// halves the interval of exponents.
 template <class Holds, class Guess>
-double largest_epsilon(const Holds& holds, const Guess& guess) {
+double find_largest_epsilon(const Holds& holds, const Guess& guess) {
     const double least = std::log2(min_change), most = std::log2(max_change), tight = std::log2(max_tight_margin);
     double low = least, high = most, exponent = -24, step_down = 8;
     bool is_low = false, is_high = false;
@@ -42,7 +42,7 @@ double largest_epsilon(const Holds& holds, const Guess& guess) {
 }
 /// Largest ε without a guess, and to a factor of 2^(1/16) everywhere.
 template <class Holds>
-double largest_epsilon(const Holds& holds) {
+double find_largest_epsilon(const Holds& holds) {
     if (!holds(min_change)) return 0;
     if (holds(max_change)) return max_change;
     double low = std::log2(min_change), high = std::log2(max_change);
@@ -55,17 +55,16 @@ double largest_epsilon(const Holds& holds) {
 
 /// Side of m on which the answers of all rays that hit lie; rays may miss. −1 and +1 prove that no answer is m.
 template <class S>
-std::optional<int> side_if_any(const S& span, const Near& m, const SpanRange<Near>* range,
-                               intersect::Convention convention) {
+std::optional<int> find_side(const S& span, const Near& m, const SpanRange<Near>* range,
+                             intersect::Convention convention) {
     return side_of<Near>(span, m, Length::parameter, range, convention);
 }
-std::optional<int> side_if_any(const FlatSpan<Near>& span, const Near& m, const SpanRange<Near>*,
-                               intersect::Convention) {
+std::optional<int> find_side(const FlatSpan<Near>& span, const Near& m, const SpanRange<Near>*, intersect::Convention) {
     return side_of_fraction(span.at, span.d2, m, Length::parameter);
 }
 /// The largest entry lies after m if any entry does, and before m if all entries do.
-std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const SpanRange<Near>* range,
-                               intersect::Convention convention) {
+std::optional<int> find_side(const SlabSpan<Near>& span, const Near& m, const SpanRange<Near>* range,
+                             intersect::Convention convention) {
     const bool is_exit =
         !(span.entry[0].n > Near(0) || span.entry[1].n > Near(0) || span.entry[2].n > Near(0)).is_yes();
     if (range || is_exit) return side_of<Near>(span, m, Length::parameter, range, convention);
@@ -288,7 +287,7 @@ Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, C
     const MarginQuestion question(ray, primitive, perturbation, convention, range);
     Decision decision(question, counted);
     const double proved =
-        largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
+        find_largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
     if (proved >= max_tight_margin) return {proved, HUGE_VAL};
     const double epsilon = std::max(2 * proved, 2 * min_change);
     static_cast<void>(decision.holds(epsilon));
@@ -335,8 +334,8 @@ std::size_t find_nearest_decision(const Ray<double>& ray, const scene::rays::Pri
         const MarginQuestion question(ray, primitive, Perturbation::componentwise, convention, range);
         Decision decision(question, CountedChange::root);
         if (least < HUGE_VAL && decision.holds(least)) continue;
-        const double margin =
-            largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
+        const double margin = find_largest_epsilon([&](double epsilon) { return decision.holds(epsilon); },
+                                                   [&] { return decision.guess(); });
         if (margin < least) {
             least = margin;
             nearest = i;
@@ -378,11 +377,11 @@ double backward_error(const Ray<double>& ray, const Primitive<double>& primitive
     if (!is_valid(ray) || !is_valid(primitive) || std::isinf(t)) return 0;
     const MarginQuestion question(ray, primitive, perturbation, convention, range);
     const Near enclosed_t(question.to_problem_units(t));
-    return largest_epsilon([&](double epsilon) {
+    return find_largest_epsilon([&](double epsilon) {
         return question.holds_for_all_within(epsilon, [&](const auto& enclosed_ray, const auto& enclosed_primitive,
                                                           const auto* span_range, const auto& span_convention) {
             const auto side = with_span(enclosed_ray, enclosed_primitive, [&](const auto& span) {
-                return side_if_any(span, enclosed_t, span_range, span_convention);
+                return find_side(span, enclosed_t, span_range, span_convention);
             });
             return (side && *side != 0) || is_off_quartic(enclosed_ray, enclosed_primitive, enclosed_t);
         });

@@ -116,7 +116,7 @@ private:
 
 /// Returns, for each node, the last node that has it as an operand: `size()` for an output, −1 for a node that no
 /// output needs.
-std::vector<NodeId> last_uses(const Tape& tape) {
+std::vector<NodeId> find_last_uses(const Tape& tape) {
     std::vector<NodeId> last(tape.nodes.size(), no_node);
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
         last[out] = tape.size();
@@ -134,7 +134,7 @@ std::vector<NodeId> last_uses(const Tape& tape) {
 }  // namespace
 
 TapeProgram::TapeProgram(const Tape& tape) {
-    const std::vector<NodeId> last_use = last_uses(tape);
+    const std::vector<NodeId> last_use = find_last_uses(tape);
     const auto node_arithmetic = [&](NodeId i) {
         return is_decision(tape[i].op) ? NodeArithmetic::decision : arithmetic_of(tape.format_of(i));
     };

@@ -31,7 +31,7 @@ std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector
 }
 
 /// Returns, for each primitive, the index of the first primitive with the same numbers.
-std::vector<int> first_equal_indices(const std::vector<Primitive<double>>& primitives) {
+std::vector<int> find_first_equal_indices(const std::vector<Primitive<double>>& primitives) {
     using Matrix = std::optional<std::pair<bool, decltype(Transform<double>::matrix)>>;
     std::map<std::tuple<Shape, decltype(Primitive<double>::numbers), Matrix>, int> first_by_key;
     std::vector<int> first_indices;
@@ -44,7 +44,8 @@ std::vector<int> first_equal_indices(const std::vector<Primitive<double>>& primi
     return first_indices;
 }
 
-std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hits, std::size_t primitive_count) {
+std::vector<std::size_t> choose_primitives_to_time(const std::map<int, std::size_t>& hits,
+                                                   std::size_t primitive_count) {
     std::vector<std::pair<std::size_t, int>> order;
     for (const auto& [primitive, count] : hits) order.emplace_back(count, primitive);
     std::ranges::sort(order, [](const auto& a, const auto& b) {
@@ -93,7 +94,7 @@ SceneWork::SceneWork(const Scene& scene, truth::ProofLimit limit)
 
 SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limit)
     : band_(sample, limit), ray_count_(band_.pixel_count()) {
-    choose_primitives(first_equal_indices(sample.primitives), sample.primitives.size());
+    choose_primitives(find_first_equal_indices(sample.primitives), sample.primitives.size());
 }
 
 void SceneWork::choose_primitives(const std::vector<int>& first_equal, std::size_t primitive_count) {
@@ -101,7 +102,7 @@ void SceneWork::choose_primitives(const std::vector<int>& first_equal, std::size
     std::size_t hit_count = 0;
     for (const auto& [primitive, count] : hits) hit_count += count;
     hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(ray_count_);
-    primitives_ = primitives_to_time(hits, primitive_count);
+    primitives_ = choose_primitives_to_time(hits, primitive_count);
 }
 
 std::size_t SceneWork::bytes(const Format& format) const {

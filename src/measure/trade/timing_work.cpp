@@ -16,7 +16,7 @@ namespace {
 using scene::rays::RayGroup;
 using scene::sweep::DistributionRow;
 
-std::vector<Ray<double>> unit_rays(const RayGroup& group) {
+std::vector<Ray<double>> make_unit_rays(const RayGroup& group) {
     std::vector<Ray<double>> rays;
     for (std::size_t i = 0; i < group.rays.size(); ++i) {
         const Ray<double> ray = group.rays[i];
@@ -54,7 +54,7 @@ std::span<const RaySet> ray_sets(Shape shape) {
 
 RayPool make_ray_pool(Shape shape) {
     const scene::rays::HitsAndMisses rays = distribution_of(shape).draw_timed_rays();
-    return {rays.hits.primitives.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
+    return {rays.hits.primitives.front(), make_unit_rays(rays.hits), make_unit_rays(rays.misses)};
 }
 
 template <class S>

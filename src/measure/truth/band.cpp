@@ -347,7 +347,7 @@ std::optional<scene::rays::RecordedRay> Band::recorded_ray(std::size_t i, const 
     return ideal_->generated_rays->record_ray(format, {index % ideal_->width, y0_ + index / ideal_->width});
 }
 
-std::shared_ptr<const scene::rays::RayGroup> Band::original_group(std::size_t i, std::set<int> primitives) const {
+std::shared_ptr<const scene::rays::RayGroup> Band::make_original_group(std::size_t i, std::set<int> primitives) const {
     if (is_paired_) primitives = {static_cast<int>(i)};
     const std::size_t count = primitives.empty() ? shared_primitives_.size() : primitives.size();
     if (scene_ != nullptr || ideal_ || count > max_original_primitives) return nullptr;

@@ -71,8 +71,8 @@ public:
     /// Returns ray i before any format rounds it, with these `primitives`; if the set is empty, with
     /// all primitives and the constants of a march. Null for a pixel of a scene (its position identifies the ray), for
     /// an ideal ray, and if there are more than `max_original_primitives` primitives.
-    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> original_group(std::size_t i,
-                                                                              std::set<int> primitives) const;
+    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> make_original_group(std::size_t i,
+                                                                                   std::set<int> primitives) const;
     static constexpr std::size_t max_original_primitives = 64;
 
     /// Culler of the band's primitives; null if every primitive is tested.

@@ -71,16 +71,16 @@ struct ValueInterval {
 class ProblemNumbers {
 public:
     template <class S>
-    ProblemNumbers(const Ray<S>& r, const Primitive<S>& primitive, const FloatFormat& format, Perturbation perturbation,
-                   Length length)
+    ProblemNumbers(const Ray<S>& ray, const Primitive<S>& primitive, const FloatFormat& format,
+                   Perturbation perturbation, Length length)
         : matrix_begin_(primitive_begin + row_of(primitive.shape).number_count),
           count_(matrix_begin_ + (primitive.transform ? Affine<S>::numbers : 0)),
           shape_(primitive.shape),
           is_normwise_(perturbation == Perturbation::normwise),
           is_distance_(length == Length::distance) {
         const auto exact_number = [&](std::size_t i) {
-            return i < direction_begin   ? r.origin[static_cast<int>(i)]
-                   : i < primitive_begin ? r.direction[static_cast<int>(i - direction_begin)]
+            return i < direction_begin   ? ray.origin[static_cast<int>(i)]
+                   : i < primitive_begin ? ray.direction[static_cast<int>(i - direction_begin)]
                    : i < matrix_begin_   ? primitive.numbers[i - primitive_begin]
                                          : primitive.transform->matrix[index_in_matrix(i - matrix_begin_)];
         };

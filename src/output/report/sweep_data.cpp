@@ -24,7 +24,7 @@ namespace {
 /// `summary_at(cell)` is the result of the row in that cell.
 Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vector<const Metric*>& metrics,
               std::size_t cell_count, const auto& summary_at) {
-    const auto columns = measure::evaluate::summary_columns(metrics);
+    const auto columns = measure::evaluate::make_summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
 
     for (const std::string_view name : sweep_statistics) {

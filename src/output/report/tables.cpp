@@ -101,7 +101,7 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
 }  // namespace
 
 std::string summary_table(const MapStudy& study, const std::vector<FormSummary>& summaries) {
-    const auto columns = measure::evaluate::summary_columns(study.metrics);
+    const auto columns = measure::evaluate::make_summary_columns(study.metrics);
     const std::vector<ShownColumn> count_columns = count_columns_for(*study.scene);
     std::string text = summary_table_head(count_columns);
     for (std::size_t r = 0; r < summaries.size(); ++r) {

@@ -27,23 +27,23 @@ Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& position) {
 /// Builds a projection. z/w is p = `depth_near` on the near plane and q = `depth_far` on the far plane, with w = -z. If
 /// n and f are the distances of the planes, z' = a z + b with a = (p n - q f)/(f - n) and b = (p - q) f n/(f - n). With
 /// f at infinity, a = -q and b = (p - q) n.
-Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& c) {
-    const Real depth_range = c.depth_near - c.depth_far, zero(0);
-    const Real a =
-        p.far ? Real((c.depth_near * p.near - c.depth_far * *p.far) / (*p.far - p.near)) : Real(-c.depth_far);
+Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& camera) {
+    const Real depth_range = camera.depth_near - camera.depth_far, zero(0);
+    const Real a = p.far ? Real((camera.depth_near * p.near - camera.depth_far * *p.far) / (*p.far - p.near))
+                         : Real(-camera.depth_far);
     const Real b = p.far ? Real(depth_range * *p.far * p.near / (*p.far - p.near)) : Real(depth_range * p.near);
-    return matrix({{{1 / c.tan_x, zero, zero, zero},
-                    {zero, 1 / c.tan_y, zero, zero},
+    return matrix({{{1 / camera.tan_x, zero, zero, zero},
+                    {zero, 1 / camera.tan_y, zero, zero},
                     {zero, zero, a, b},
                     {zero, zero, Real(-1), zero}}});
 }
 
 /// The matrix from pixels, to the right and down, to clip space; z is 0 on the near plane.
-Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
+Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& camera) {
     const Real zero(0), one(1);
-    return matrix({{{Real(2) / c.width, zero, zero, -one},
-                    {zero, -Real(2) / c.height, zero, one},
-                    {zero, zero, one, c.depth_near},
+    return matrix({{{Real(2) / camera.width, zero, zero, -one},
+                    {zero, -Real(2) / camera.height, zero, one},
+                    {zero, zero, one, camera.depth_near},
                     {zero, zero, zero, one}}});
 }
 

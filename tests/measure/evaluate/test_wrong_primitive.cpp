@@ -61,7 +61,7 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
     CHECK(s.first_fault()->outcome == Outcome::wrong_primitive);
     CHECK(s.first_fault()->t != s.first_fault()->truth);
 
-    const auto columns = measure::evaluate::summary_columns(request.metrics);
+    const auto columns = measure::evaluate::make_summary_columns(request.metrics);
     CHECK(measure::evaluate::find_column(columns, "wrong_primitive")->value(s) == static_cast<double>(single.wrong));
     CHECK(measure::evaluate::find_column(columns, "wrong_primitive_fraction")->value(s) ==
           static_cast<double>(single.wrong) / static_cast<double>(s.true_hit_count));
