@@ -37,7 +37,7 @@ struct CheckOptions {
     std::string junit, csv, json, report, annotations = "none", shard;
     std::string profile = "results";
     bool strict = false, prints_numbers_only = false;
-    int further_draws = 0;
+    int further_draw_count = 0;
 
     [[nodiscard]] bool is_timing() const { return profile == "timing"; }
     [[nodiscard]] bool writes_files() const {
@@ -56,7 +56,8 @@ void require_claim_path(const std::string& path, const std::filesystem::path& da
     const std::filesystem::path folder = data / "claims";
     std::vector<std::string> names;
     if (std::filesystem::is_directory(folder, error))
-        for (const auto& claim_file : scene::check::claim_files(folder)) names.push_back(claim_file.stem().string());
+        for (const auto& claim_file : scene::check::list_claim_files(folder))
+            names.push_back(claim_file.stem().string());
     const auto closest_name = text::closest(std::filesystem::path(path).stem().string(), names);
     throw InputError(path + ": no such file or folder; " +
                      (closest_name ? "did you mean \"" + (folder / (*closest_name + ".toml")).string() + "\"?"
@@ -75,7 +76,7 @@ std::vector<Claim> load_claims(const CheckOptions& options, const std::filesyste
     std::set<std::string> ids, other_profiles;
     for (const std::string& claim_path : claim_paths) {
         require_claim_path(claim_path, data);
-        for (const auto& path : scene::check::claim_files(claim_path)) {
+        for (const auto& path : scene::check::list_claim_files(claim_path)) {
             for (Claim& claim : scene::check::read_claims(path)) {
                 if (!ids.insert(claim.id).second)
                     scene::toml::fail(claim.where, "the id \"" + claim.id +
@@ -168,7 +169,7 @@ void print_spreads(const std::vector<Claim>& claims, const std::vector<ClaimResu
         const auto text = [](double x) { return fmt::format("{:.6g}", x); };
         fmt::print(line_format, terminal_line(claims[i].id), text(results[i].measured), text(s.low), text(s.median),
                    text(s.high), fmt::format("[{}, {}]", text(claims[i].low), text(claims[i].high)),
-                   results[i].samples);
+                   results[i].sample_count);
     }
 }
 
@@ -193,7 +194,7 @@ ExitStatus report_times(const std::vector<Claim>& claims, const std::vector<Clai
 std::vector<std::filesystem::path> input_files(const CheckOptions& options, const std::filesystem::path& data) {
     std::vector<std::filesystem::path> files;
     for (const std::string& path : options.files.empty() ? std::vector{(data / "claims").string()} : options.files)
-        std::ranges::copy(scene::check::claim_files(path), std::back_inserter(files));
+        std::ranges::copy(scene::check::list_claim_files(path), std::back_inserter(files));
     for (const char* folder : {"scenes", "sweeps"}) {
         std::error_code ignored;
         std::vector<std::filesystem::path> folder_files;
@@ -318,7 +319,7 @@ ExitStatus run(const CheckOptions& options, const CommonOptions& common) {
 
     const study::StudiesByName studies;
     const measure::check::ClaimRequest request{
-        .data_dir = data, .stop = common.stop, .further_draws = options.further_draws, .studies = &studies};
+        .data_dir = data, .stop = common.stop, .further_draw_count = options.further_draw_count, .studies = &studies};
     const auto measured = measure_claims(claims, request, run_division.division);
     finish_run(run_division, common);
     if (!measured) return ExitStatus::done;
@@ -335,7 +336,7 @@ ExitStatus run(const CheckOptions& options, const CommonOptions& common) {
         print(claims[i], results[i], options, common.verbose);
         any_fails |= fails(claims[i], results[i], options.strict);
     }
-    if (options.further_draws > 0 && !common.quiet) print_spreads(claims, results);
+    if (options.further_draw_count > 0 && !common.quiet) print_spreads(claims, results);
     write_reports(options, claims, results, request);
     complete_folder(folder);
     if (!common.quiet) print_counts(claims, results);
@@ -370,7 +371,7 @@ void add_check(const shell::Command& program, const CommonOptions& common) {
     // Claims to measure, and how they are judged.
     command.add("--profile", options->profile, "Kind of claims to measure (default: results; docs/claims.md)",
                 shell::one_of({"results", "timing", "libraries"}));
-    command.add("--seeds", options->further_draws,
+    command.add("--seeds", options->further_draw_count,
                 "Also measure each claim about random rays on this many further draws, and show the spread",
                 shell::whole_number_between(0, 1000));
     command.add("--strict", options->strict, "Also fail for claims of severity warn");

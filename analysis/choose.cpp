@@ -163,8 +163,9 @@ ChoiceRequest make_request(const ChooseOptions& options, intersect::process::Sto
     if (options.bits < 0 && options.tolerance.empty())
         throw InputError(
             "choose: the requirement is missing; add --bits 16 (of t) or --tolerance 0.001 (of the hit point)");
-    request.requirement = {
-        .bits = std::max(0.0, options.bits), .wrong = options.wrong, .quantile = parse_quantile(options.at)};
+    request.requirement = {.bits = std::max(0.0, options.bits),
+                           .max_wrong_fraction = options.wrong,
+                           .quantile = parse_quantile(options.at)};
     if (!options.tolerance.empty())
         request.requirement.tolerance = selection::tolerance_in_units(options.tolerance, options.unit);
     else if (!options.unit.empty())
@@ -187,17 +188,18 @@ ExitStatus choose(ChoiceRequest& request, output::choose::ChoiceWriter& writer,
                   const CommonOptions& common,
                   std::optional<std::vector<output::choose::RepairedCandidate>> repaired = {}) {
     measure::choose::TimedRays timed_rays;
-    std::optional<measure::choose::MetPixelsByForm> met_pixels;
-    if (request.scene) request.show = met_pixels.emplace(request, request.tested_forms).show();
+    std::optional<measure::choose::PassingPixelsByForm> passing_pixels;
+    if (request.scene) request.show = passing_pixels.emplace(request, request.tested_forms).show();
     const auto measured_candidates = measure_candidates(request, timed_rays);
-    auto requirement_map =
-        met_pixels ? std::optional(make_requirement_map(request, measured_candidates, *met_pixels)) : std::nullopt;
+    auto requirement_map = passing_pixels
+                               ? std::optional(make_requirement_map(request, measured_candidates, *passing_pixels))
+                               : std::nullopt;
 
     auto choice = output::choose::choose_among(request, measured_candidates, timed_rays);
     choice.requirement_map = std::move(requirement_map);
     choice.repaired = std::move(repaired);
     if (choice.cheapest_index && request.scene)
-        choice.offsets = measure::choose::safe_offsets(
+        choice.offsets = measure::choose::find_safe_offsets(
             *request.scene, measured_candidates[*choice.cheapest_index].tested_form, request.limit);
     writer.finish(choice);
     complete_folder(result_folder);
@@ -230,7 +232,7 @@ ExitStatus choose_for_scene(const ChooseOptions& options, const CommonOptions& c
     const auto folder = std::filesystem::path(options.out) / scene.id;
     const auto result_folder = lock_folder(folder, common, selection::scene_arguments(scene, data));
     output::choose::ChoiceWriter writer(folder);
-    output::file::Progress progress(scene.pixels() * (request.tested_forms.size() + request.untimed_forms.size()),
+    output::file::Progress progress(scene.pixel_count() * (request.tested_forms.size() + request.untimed_forms.size()),
                                     fmt::format("choose {}", scene.id), common.progress, common.quiet);
     request.progress = advance_callback(progress);
     if (!common.quiet) selection::note_ineffective_settings(options.set, scene.id, request.tested_forms);

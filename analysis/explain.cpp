@@ -103,7 +103,7 @@ const intersect::table::Intersector* form_for_primitives(const intersect::table:
 /// The rays of a sweep at the step that --at-step names.
 scene::sweep::SweepFile open_sweep(const selection::RayOptions& ray, const std::filesystem::path& file,
                                    const std::filesystem::path& data, intersect::process::StopToken stop) {
-    const auto kind = scene::sweep::sweep_kind(file);
+    const auto kind = scene::sweep::read_sweep_kind(file);
     if (kind != scene::sweep::SweepKind::axes)
         throw InputError(ray.subject +
                          ": has no axes, but --ranges takes the ranges from a step of a sweep along axes; name one, or "

@@ -66,8 +66,8 @@ void note_digits(const std::string& file, const Format& format, const JudgeResul
     const bool is_wide = format.parameters.precision > binary32.precision;
     // A program that prints the shortest decimal of each number may never need the largest number of digits. A file
     // that is one digit short is therefore not reported.
-    const bool is_short = result.inexact_decimals > 10 && result.max_digits + 1 < digits_for(format);
-    if (is_wide && result.nonzero_answer_count > 10 && result.float_answers == result.nonzero_answer_count &&
+    const bool is_short = result.inexact_decimal_count > 10 && result.max_digits + 1 < digits_for(format);
+    if (is_wide && result.nonzero_answer_count > 10 && result.float_answer_count == result.nonzero_answer_count &&
         !(is_short && result.max_digits < digits_for(narrow)))
         fmt::print(stderr,
                    "lostbits: {}: every t of the {} reported hits is a float, or the decimal of one, but was judged as "
@@ -201,7 +201,7 @@ std::optional<JudgeResult> judge_rays(RayFile& ray_file, JudgeRequest& request, 
 std::vector<Primitive<double>> add_primitives(JudgeRequest& request, const JudgeOptions& options,
                                               const std::optional<scene::file::Scene>& scene, RayFile& ray_file) {
     request.primitives = selection::shared_primitives(options, scene, ray_file.format());
-    if (scene) request.mesh = scene::rays::stored_mesh(*scene, ray_file.format().parameters);
+    if (scene) request.mesh = scene::rays::make_stored_mesh(*scene, ray_file.format().parameters);
     if (scene && scene->march) request.march = scene::file::round_march(*scene->march, binary32);
     auto representatives = scene::rays::representatives_of(request.primitives, request.mesh.get());
     selection::transform_by_records(ray_file, representatives);
@@ -297,7 +297,7 @@ void print_judgement(const JudgeOptions& options, const JudgeRequest& request, c
                      const Format& format, bool verbose) {
     selection::warn_of_rounded_values(options.file, result.rounded_count, format);
     note_digits(options.file, format, result);
-    fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.rays, "ray"), options.file, format.name);
+    fmt::print("{} of {}, read as {}\n", text::count_with_noun(result.ray_count, "ray"), options.file, format.name);
     print_results(request, result, options.by);
     print_comparisons(request.tested_forms, request.metrics, result.summaries);
     if (verbose) print_stages(*request.stages);
@@ -313,9 +313,9 @@ void note_suspicious_answers(const JudgeOptions& options, const JudgeRequest& re
             measure::contract::suspicion_text(result.first_samples, measure::contract::AnswerSource::file,
                                               result.scaled_right_misses(result.summaries[*file_form]));
         const bool is_whole_file = result.has_all_samples(result.summaries[*file_form]);
-        return measure::contract::name_counted_rays(options.file,
-                                                    is_whole_file ? result.rays : result.first_samples.size(),
-                                                    result.rays, "of its rays that hit or should hit", suspicion_text);
+        return measure::contract::name_counted_rays(
+            options.file, is_whole_file ? result.ray_count : result.first_samples.size(), result.ray_count,
+            "of its rays that hit or should hit", suspicion_text);
     });
 }
 

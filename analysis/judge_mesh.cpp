@@ -66,7 +66,7 @@ void require_options_of_kind(const JudgeOptions& options, AnswerKind kind, const
 
 std::shared_ptr<const scene::rays::StoredMesh> require_mesh(const std::optional<scene::file::Scene>& scene,
                                                             const JudgeOptions& options, const Format& format) {
-    auto mesh = scene ? scene::rays::stored_mesh(*scene, format.parameters) : nullptr;
+    auto mesh = scene ? scene::rays::make_stored_mesh(*scene, format.parameters) : nullptr;
     if (mesh && mesh->size() == scene->primitive_count()) return mesh;
     throw InputError(
         fmt::format("{}: its answers are about the surface of a mesh; give --scene with a scene of [[mesh]] "

@@ -127,7 +127,7 @@ Listing metric_table(const CommonOptions& /*common*/) {
     Listing list = make_listing(
         {"name", "unit", "layer", "default", "meaning"}, measure::metric::metrics(),
         [](const measure::metric::Metric& metric) {
-            return Cells<5>{metric.name, metric.unit, metric.layer, metric.by_default ? "yes" : "no", metric.meaning};
+            return Cells<5>{metric.name, metric.unit, metric.layer, metric.is_default ? "yes" : "no", metric.meaning};
         });
     measure::metric::MetricSet metric_set;
     const auto add = [&](const char* name, const char* example, bool has_unit, const std::string& more_meaning) {
@@ -151,7 +151,7 @@ Listing strategies(const CommonOptions& /*common*/) {
     columns.emplace_back("source");
     return make_listing(columns, measure::offset::strategies(), [](const measure::offset::Strategy& strategy) {
         Row row{std::string(strategy.name), std::string(strategy.title)};
-        for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(strategy.operations(shape.shape)));
+        for (const ShapeRow& shape : shape_rows) row.push_back(std::to_string(strategy.operation_count(shape.shape)));
         row.emplace_back(strategy.source);
         return row;
     });
@@ -215,7 +215,7 @@ Listing scenes(const CommonOptions& common) {
 std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& path,
                                                    const std::filesystem::path& data) {
     const auto describe = [](const auto& file, const auto& axis) { return std::pair(axis(file), file.title); };
-    switch (scene::sweep::sweep_kind(path)) {
+    switch (scene::sweep::read_sweep_kind(path)) {
         case SweepKind::cases:
             return describe(scene::sweep::CaseFile(path),
                             [](const auto& f) { return text::count_with_noun(f.size(), "case"); });
@@ -239,7 +239,7 @@ std::pair<std::string, std::string> axis_and_title(const std::filesystem::path& 
 
 Listing sweeps(const CommonOptions& common) {
     Listing list{{"name", "axis", "title"}};
-    const auto data = selection::data_folder(common.data), root = scene::toml::folder_of_data(data, "sweeps");
+    const auto data = selection::data_folder(common.data), root = scene::toml::find_data_folder(data, "sweeps");
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
         if (entry.path().extension() != ".toml") continue;
         const auto [axis, title] = axis_and_title(entry.path(), data);
@@ -253,8 +253,8 @@ Listing sweeps(const CommonOptions& common) {
 /// that.
 Listing claims(const CommonOptions& common) {
     Listing list{{"id", "verdict", "profile", "subject", "form", "format", "statement"}};
-    const auto root = scene::toml::folder_of_data(selection::data_folder(common.data), "claims");
-    for (const auto& path : scene::check::claim_files(root)) {
+    const auto root = scene::toml::find_data_folder(selection::data_folder(common.data), "claims");
+    for (const auto& path : scene::check::list_claim_files(root)) {
         for (const Claim& claim : scene::check::read_claims(path)) {
             list.rows.push_back({claim.id, std::string(name_of(claim.verdict)),
                                  std::string(scene::check::name_of(claim.profile)), claim.subject_name(),

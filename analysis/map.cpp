@@ -75,7 +75,7 @@ struct PlannedScene {
     std::optional<BitsNeededStudy> bits_needed;
 
     [[nodiscard]] std::uint64_t work_units() const {
-        return map.scene->pixels() * map.tested_forms.size() + (bits_needed ? bits_needed->units() : 0);
+        return map.scene->pixel_count() * map.tested_forms.size() + (bits_needed ? bits_needed->units() : 0);
     }
 };
 
@@ -139,7 +139,7 @@ void note_missed_crossings(const PlannedScene& planned, const std::vector<measur
             continue;
         missing_forms +=
             fmt::format("{}{} {} ({} of {})", missing_forms.empty() ? "" : ", ", tested_form.form->info->name,
-                        tested_form.format.name, missed, text::count_with_noun(summaries[r].true_hits, "hit"));
+                        tested_form.format.name, missed, text::count_with_noun(summaries[r].true_hit_count, "hit"));
     }
     if (missing_forms.empty()) return;
     fmt::print(
@@ -153,7 +153,7 @@ void note_missed_crossings(const PlannedScene& planned, const std::vector<measur
 void print_results(const PlannedScene& planned, const SceneSummaries& summaries, const std::filesystem::path& folder,
                    bool verbose) {
     const Scene& scene = *planned.map.scene;
-    fmt::print("{}: {}\n", scene.id, text::count_with_noun(scene.pixels(), "ray"));
+    fmt::print("{}: {}\n", scene.id, text::count_with_noun(scene.pixel_count(), "ray"));
     print_table(planned.map, summaries.map);
     print_comparisons(planned.map.tested_forms, planned.map.metrics, summaries.map);
     if (planned.bits_needed) print_table(*planned.bits_needed, summaries.bits_needed);
@@ -163,7 +163,7 @@ void print_results(const PlannedScene& planned, const SceneSummaries& summaries,
 
     note_missed_crossings(planned, summaries.map);
     const measure::evaluate::FormSummary& first = summaries.map.front();
-    if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == scene.pixels())
+    if (first.count(Outcome::agree_miss) + first.count(Outcome::false_hit) == scene.pixel_count())
         fmt::print(stderr,
                    "lostbits: scene {}: no ray of its camera meets a primitive, so every pixel is a miss; check its "
                    "eye, look_at and width or fov\n",
@@ -329,8 +329,8 @@ std::uint64_t map_scenes(const std::vector<PlannedScene>& planned_scenes, const 
         PlannedScene planned = planned_scenes[scene_index];  // a copy that may point to objects of this iteration
         const Scene& scene = *planned.map.scene;
         output::file::Estimate estimate(progress, scene.id,
-                                        scene.pixels() * planned.map.tested_forms.size() / share.count, common.quiet,
-                                        measure::study::Bands(scene, share).size());
+                                        scene.pixel_count() * planned.map.tested_forms.size() / share.count,
+                                        common.quiet, measure::study::Bands(scene, share).size());
         measure::truth::StageCounts stages;
         planned.map.progress = advance_callback(progress, &estimate);
         planned.map.stages = &stages;

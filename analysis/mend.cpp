@@ -106,7 +106,7 @@ void write_page(const std::filesystem::path& path, const RepairSummary& result, 
         .command = command, .maps = {}, .sweeps = {}, .trades = {}, .claims = {}, .results = {}};
     report.program = "lostbits " LOSTBITS_VERSION;
     report.mends.push_back(report::make_mend_section(result));
-    if (report.mends.front().has_times) report.processor = measure::trade::processor_name();
+    if (report.mends.front().has_times) report.processor = measure::trade::read_processor_name();
     output::file::write_file(path, output::report::page(report));
 }
 
@@ -232,7 +232,8 @@ RepairRequest make_request(const MendOptions& options, const MendSubject& subjec
         .tested_form = select_tested_form(options, subject.id(), [&](Shapes forms) { return subject.meets(forms); }),
         .two_words = options.wider == "two-words"};
     require_shader_form(options.emit, request.tested_form);
-    request.requirement = {.bits = options.bits, .wrong = options.wrong, .quantile = parse_quantile(options.at)};
+    request.requirement = {
+        .bits = options.bits, .max_wrong_fraction = options.wrong, .quantile = parse_quantile(options.at)};
     request.limit.stop = stop;
     return request;
 }

@@ -106,7 +106,7 @@ Subjects select_subjects(const ReportOptions& options, const scene::check::Repor
 
 std::vector<Claim> read_all_claims(const std::filesystem::path& data) {
     std::vector<Claim> claims;
-    for (const auto& path : scene::check::claim_files((data / "claims").string())) {
+    for (const auto& path : scene::check::list_claim_files((data / "claims").string())) {
         for (Claim& claim : scene::check::read_claims(path)) {
             if (claim.profile == Claim::Profile::results) claims.push_back(std::move(claim));
         }
@@ -239,7 +239,7 @@ std::vector<const Metric*> select_map_metrics(const scene::file::Scene& scene,
     std::vector<const Metric*> metrics = extra_metrics;
     for (const char* metric : {"lost_bits", "ulp_error", "condition", "inherent_bits", "excess_bits"})
         metrics.push_back(measure::metric::find_metric(metric));
-    if (scene.pixels() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
+    if (scene.pixel_count() <= small_map_rays) metrics.push_back(measure::metric::find_metric("culprit"));
     auto form_metrics = metric_set.adapt_to_forms(selection::with_default_metrics(metrics, tested_forms),
                                                   measure::evaluate::forms_of(tested_forms),
                                                   [&scene] { return measure::attribution::OwnedSetting(scene); });
@@ -260,7 +260,7 @@ void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const
         auto handling_forms = forms.select_for(scene.id, [&scene](Shapes shapes) { return scene.accepts(shapes); });
         if (handling_forms.empty()) continue;
         auto metrics = select_map_metrics(scene, handling_forms, extra_metrics, planned.metric_set);
-        planned.units += scene.pixels() * handling_forms.size();
+        planned.units += scene.pixel_count() * handling_forms.size();
 
         // The names of the scene in later commands and in claims.
         std::string scene_arguments = selection::scene_arguments(scene, data);
@@ -274,7 +274,7 @@ void plan_maps(PlannedReport& planned, const scene::file::SceneName& name, const
 /// Plans a sweep along axes or a file of cases that some form can test.
 void plan_sweep(PlannedReport& planned, const std::filesystem::path& path, const std::filesystem::path& data,
                 const ReportForms& forms) {
-    const auto kind = scene::sweep::sweep_kind(path);
+    const auto kind = scene::sweep::read_sweep_kind(path);
     // These kinds have no plots, only numbers, and take long.
     using enum scene::sweep::SweepKind;
     if (kind == search || kind == edge_search || kind == every_float) return;
@@ -375,7 +375,7 @@ std::uint64_t measure_subjects(output::report::Report& report, PlannedReport& pl
     if (!planned.claims.empty())
         report.results = measure::check::measure_claims(
             planned.claims,
-            {.data_dir = data, .stop = options.stop, .further_draws = options.seeds, .studies = &studies});
+            {.data_dir = data, .stop = options.stop, .further_draw_count = options.seeds, .studies = &studies});
     return unresolved;
 }
 
@@ -398,7 +398,7 @@ void measure_requested_sections(output::report::Report& report, const PlannedRep
         if (auto section = study::measure_offset_section(scene, options.stop))
             report.offsets.push_back(std::move(*section));
     }
-    if (options.trade || !planned.choices.empty()) report.processor = measure::trade::processor_name();
+    if (options.trade || !planned.choices.empty()) report.processor = measure::trade::read_processor_name();
     for (const PlannedChoice& choice : planned.choices)
         report.choices.push_back(measure_choice_section(choice, options.stop));
     for (const report::PlannedMend& mend : planned.mends)

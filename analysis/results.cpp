@@ -158,7 +158,7 @@ std::string concatenate(const char* prefix, const std::vector<std::string>& valu
 
 double parse_quantile(const std::string& text) {
     try {
-        return measure::choose::quantile_named(text);
+        return measure::choose::parse_quantile(text);
     } catch (const InputError& error) {
         throw InputError(std::string("--at ") + error.what());
     }
@@ -278,7 +278,7 @@ void print_stages(const measure::truth::StageCounts& stages) {
     fmt::print(
         "  {} truths: {} settled in packs of doubles, {} in packs of double-doubles, {} one by one in double-double, "
         "{} in wider intervals\n",
-        stages.rays(), stages.binary64, stages.double_double, stages.ball, stages.interval);
+        stages.ray_count(), stages.binary64, stages.double_double, stages.ball, stages.interval);
 }
 
 }  // namespace lostbits::analysis

@@ -95,7 +95,7 @@ public:
         std::uint64_t pixels = 0;
         for (const AxisSteps& steps : selected_steps(values))
             for (const double factor : steps.values)
-                pixels += measure::offset::move_along(study.scene, steps.axis, factor).pixels();
+                pixels += measure::offset::move_along(study.scene, steps.axis, factor).pixel_count();
         return pixels;
     }
     static std::vector<std::string> jobs(const OffsetStudy& study, const study::StudyValues& values) {
@@ -137,7 +137,7 @@ private:
 /// The number of pixels of all rows of a study and of its further files.
 template <class Adapter>
 std::uint64_t count_units(const typename Adapter::Presentation::Study& study, const study::StudyValues& values) {
-    return (study.scene.pixels() + ExtraFiles<Adapter>::pixels(study, values)) * study.tested_forms.size();
+    return (study.scene.pixel_count() + ExtraFiles<Adapter>::pixels(study, values)) * study.tested_forms.size();
 }
 
 /// Measures one scene, and writes and prints its results. Returns the number of its rays without a proved truth; 0 in a

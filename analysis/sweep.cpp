@@ -99,7 +99,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     auto request = study::sweep_request(
         sweep, selection::filter_tested_forms(chosen.tested_forms, [&](Shapes forms) { return sweep.accepts(forms); }),
         chosen.extra_metrics, chosen.metric_set, common.stop);
-    if (chosen.options.seeds) request.further_draws = *chosen.options.seeds;
+    if (chosen.options.seeds) request.further_draw_count = *chosen.options.seeds;
     selection::note_forms_without_formula(chosen.extra_metrics, request.tested_forms, common.quiet);
     output::sweep::SweepWriter::require_own_columns(request);
     if (!common.quiet) selection::note_unrepresentable_numbers(sweep, request.tested_forms, common.stop);
@@ -108,7 +108,7 @@ void run_axes(const std::filesystem::path& path, const SweepSelection& chosen) {
     const auto result_folder = chosen.lock_sweep_folder(sweep.id, path);
     const auto files = result_folder ? std::make_unique<output::sweep::SweepWriter>(request, folder) : nullptr;
     request.share = chosen.division().share();
-    const auto units = measure::sweep::sweep_units(request) / request.share.count;
+    const auto units = measure::sweep::count_sweep_units(request) / request.share.count;
     const auto measured_sweep = chosen.measure_or_join(sweep.id, units, request, measure::sweep::measure_sweep);
     if (!measured_sweep) return;
 
@@ -222,7 +222,7 @@ std::vector<PlannedSweepFile> plan_sweeps(const SweepOptions& options, const std
     std::vector<PlannedSweepFile> sweeps;
     for (const std::string& name : options.sweeps) {
         const auto path = scene::sweep::find_sweep(name, data);
-        const auto kind = scene::sweep::sweep_kind(path);
+        const auto kind = scene::sweep::read_sweep_kind(path);
         for (const PlannedSweepFile& other : sweeps) {
             if (other.path.stem() == path.stem())
                 throw InputError(

@@ -69,7 +69,7 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keeps_state) {
     const std::uint64_t rays_per_float = sweep_.rays.size() * request_.tested_forms.size();
     const std::uint64_t float_count = measure::sweep::count_floats(sweep_, request_.share);
     ProgressWithEstimate progress(sweep_.id, float_count * rays_per_float, chosen_.common,
-                                  state_.floats_tried * rays_per_float);
+                                  state_.tried_float_count * rays_per_float);
     request_.progress = progress.advance_callback();
 
     // A run that is killed loses at most the work of a few seconds.
@@ -87,7 +87,7 @@ ExhaustiveState ExhaustiveRun::try_floats(bool keeps_state) {
         state_file_.write(output::shard::bits_of(state_));
         if (!chosen_.common.quiet)
             fmt::print(stderr, "lostbits: {} was stopped at {} %; repeat the command with --resume to continue\n",
-                       sweep_.id, percent(state_.floats_tried, float_count));
+                       sweep_.id, percent(state_.tried_float_count, float_count));
         throw Error(ExitStatus::interrupted,
                     selection::interrupted_text(scene::sweep::SweepKind::every_float, sweep_.id));
     }
@@ -123,11 +123,12 @@ std::uint64_t ExhaustiveRun::run(bool others_follow) {
     if (!state) return 0;
 
     // The state of a stopped run was joined as if it were a shard: floats are missing, so no statement would be true.
-    if (const std::uint64_t float_count = measure::sweep::count_floats(sweep_, {}); state->floats_tried != float_count)
+    if (const std::uint64_t float_count = measure::sweep::count_floats(sweep_, {});
+        state->tried_float_count != float_count)
         throw InputError(fmt::format(
             "only {} of the {} floats of {} were tried: one of the shards was stopped; run that shard again with "
             "--resume, then join the shards",
-            state->floats_tried, float_count, sweep_.id));
+            state->tried_float_count, float_count, sweep_.id));
 
     const auto findings = measure::sweep::collect_findings(request_, *state);
     writer->finish(*state, findings);
@@ -196,7 +197,7 @@ void add_contracted(std::vector<TestedForm>& tested_forms) {
     for (const TestedForm& tested_form : tested_forms) {
         all.push_back(tested_form);
         if (!measure::tape::has_tape(*tested_form.form)) continue;
-        const auto& contracted = measure::tape::contracted_form(*tested_form.form);
+        const auto& contracted = measure::tape::contract_form(*tested_form.form);
         if (contracted.exists_in(tested_form.format)) all.push_back({&contracted, tested_form.format});
     }
     tested_forms = std::move(all);

@@ -63,7 +63,7 @@ ExitStatus run(const TradeOptions& options, const CommonOptions& common) {
     output::trade::TradeWriter writer(request, folder);
     const selection::ThreadLimit limit(common.threads);
     if (scene && !common.quiet) selection::note_ineffective_settings(options.set, scene->id, rows);
-    output::file::Progress progress(measure::trade::trade_units(request), fmt::format("trade {}", name),
+    output::file::Progress progress(measure::trade::count_trade_units(request), fmt::format("trade {}", name),
                                     common.progress, common.quiet);
     request.plan.progress = advance_callback(progress);
 

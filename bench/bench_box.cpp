@@ -25,7 +25,7 @@ constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
 constexpr std::string_view forms[] = {"box.baseline", "box.exclusive", "box.inclusive", "box.signs"};
 
 std::size_t bytes_of(std::string_view size) {
-    return measure::trade::working_set_bytes(size, measure::trade::cache_sizes());
+    return measure::trade::working_set_bytes(size, measure::trade::read_cache_sizes());
 }
 
 #if defined(LOSTBITS_BY_HAND)
@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
                     c.work.pass();
                     benchmark::ClobberMemory();
                 }
-                state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(c.work.items));
+                state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(c.work.item_count));
             });
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -72,7 +72,7 @@ void print_tapes() {
     const auto& form = form_named("sphere.schoolbook");
     const Format format = *find_format("f32");
     const Tape plain = measure::tape::record_tape(form, format);
-    const auto all = measure::tape::rounded_operations(plain);
+    const auto all = measure::tape::find_widenable_operations(plain);
     const measure::truth::Band band(picture_of_rays());
     const auto inputs = band.inputs(format, {});
     std::printf("\n%-28s %18s\n", "tape of sphere.schoolbook", "million operations/s");
@@ -83,7 +83,7 @@ void print_tapes() {
         double best = HUGE_VAL;
         for (int k = 0; k < 9; ++k)
             best = std::min(best, seconds_of([&] { measure::answer::evaluate(row.form(), inputs); }));
-        const double done = static_cast<double>(row.program().operation_count() * band.pixels());
+        const double done = static_cast<double>(row.program().operation_count() * band.pixel_count());
         std::printf("%-28s %18.0f\n", name, done / best / 1e6);
     }
 }
@@ -115,7 +115,7 @@ radius = 1
         measure::sweep::ExhaustiveState state;
         const double seconds = seconds_of([&] { measure::sweep::run_exhaustive(request, state); });
         std::printf("%-28s %-6s %25.1f   (all processors together)\n", form, "f32",
-                    1e9 * seconds / static_cast<double>(state.floats_tried));
+                    1e9 * seconds / static_cast<double>(state.tried_float_count));
     }
     std::filesystem::remove(file);
 }

@@ -46,7 +46,7 @@ RayPool view_of(SphereDistribution hits) {
 
 std::vector<Rays> sphere_rays() {
     return {
-        {"easy", measure::trade::ray_pool(Shape::sphere), 0.5},
+        {"easy", measure::trade::make_ray_pool(Shape::sphere), 0.5},
         {"far-small", view_of({.distance = 4096, .impact_to = 0.9}), 0.5},
         {"1e6 radii", view_of({.distance = 1e6, .impact_to = 0.9}), 0.5},
         {"near-huge",
@@ -61,7 +61,7 @@ std::vector<Rays> box_rays() {
         const auto group = scene::rays::with_single_view(distribution).draw().front();
         return RayPool{group.primitives.front(), unit_rays(group), unit_rays(group)};
     };
-    return {{"easy", measure::trade::ray_pool(Shape::box), 0.5},
+    return {{"easy", measure::trade::make_ray_pool(Shape::box), 0.5},
             {"edge", view({.aim = Aim::edge, .gap = 0x1p-23}), 1},
             {"face", view({.aim = Aim::face}), 1}};
 }
@@ -94,7 +94,7 @@ const intersect::simd::PackedFormKernels& row_of(Isa isa, std::string_view form)
 
 template <class S>
 void print_forms(const Rays& rays, Isa isa, const std::vector<std::string_view>& forms) {
-    const std::size_t bytes = measure::trade::working_set_bytes("l1", measure::trade::cache_sizes());
+    const std::size_t bytes = measure::trade::working_set_bytes("l1", measure::trade::read_cache_sizes());
     const auto store = std::make_shared<measure::trade::RayStore<S>>(rays.pool, bytes, rays.hit_rate, 0, 1);
     std::vector<std::pair<std::string, measure::trade::TimedWork>> all;
     for (const std::string_view form : forms) {

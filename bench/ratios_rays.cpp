@@ -14,7 +14,7 @@ using measure::trade::RayWork;
 constexpr std::string_view sizes[] = {"l1", "l2", "memory"};
 
 std::size_t bytes_of(std::string_view size) {
-    return measure::trade::working_set_bytes(size, measure::trade::cache_sizes());
+    return measure::trade::working_set_bytes(size, measure::trade::read_cache_sizes());
 }
 
 /// Bytes per ray: six numbers are read, three numbers and a byte are written.

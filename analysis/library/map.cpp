@@ -21,7 +21,7 @@ std::unique_ptr<lostbits_result> make_map_result(const lostbits_scene& scene_han
     selection::require_applicable_metrics(metrics, call_selection.tested_forms, "scene " + scene.id);
     auto study =
         study::map_study(scene, call_selection.tested_forms, metrics, call_selection.metric_set, settings.stop());
-    study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
+    study.progress = settings.advance_callback(scene.pixel_count() * study.tested_forms.size());
 
     auto result = std::make_unique<lostbits_result>();
     const auto summary = output::map::make_summary_table(study.metrics, scene.shapes(), scene.mesh != nullptr);

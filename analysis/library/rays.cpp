@@ -94,7 +94,7 @@ std::vector<std::string> find_suspicions(const measure::judge::JudgeRequest& req
                                               judgement.scaled_right_misses(summary_of_file));
         const bool is_whole = judgement.has_all_samples(summary_of_file);
         return measure::contract::name_counted_rays(
-            rays_name, is_whole ? judgement.rays : judgement.first_samples.size(), judgement.rays,
+            rays_name, is_whole ? judgement.ray_count : judgement.first_samples.size(), judgement.ray_count,
             "of its rays that hit or should hit", suspicion_text);
     });
 }
@@ -237,7 +237,7 @@ std::unique_ptr<lostbits_result> make_truth_result(const lostbits_rays& rays, Ca
                    [&](std::size_t first, RayGroup group, auto* culler) {
                        const bool is_paired = group.is_paired;
                        const measure::truth::Band band(std::move(group), {.stop = settings.stop()}, culler);
-                       for (std::size_t i = 0; i < band.pixels(); ++i) {
+                       for (std::size_t i = 0; i < band.pixel_count(); ++i) {
                            const measure::truth::Truth ray_truth = band.truth(i, contract.convention());
                            decisions.numbers[first + i] = static_cast<double>(ray_truth.decision);
                            if (!ray_truth.is_hit()) continue;

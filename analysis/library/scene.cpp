@@ -113,9 +113,9 @@ void add_rays(const Scene& scene, lostbits_result& result) {
                                                   {"dz", "number", "", "coordinate of the ray's direction"}});
     auto rays = scene.inputs == scene::file::InputRounding::shared
                     ? scene::rays::make_shared_rays(scene, 0, scene.height)
-                    : scene::rays::input_rays(scene, 0, scene.height, binary64);
+                    : scene::rays::make_input_rays(scene, 0, scene.height, binary64);
     ResultColumn &x = table["x"], &y = table["y"];
-    for (std::uint64_t i = 0; i < scene.pixels(); ++i) {
+    for (std::uint64_t i = 0; i < scene.pixel_count(); ++i) {
         x.numbers.push_back(static_cast<double>(i % static_cast<std::uint64_t>(scene.width)));
         y.numbers.push_back(static_cast<double>(i / static_cast<std::uint64_t>(scene.width)));
     }
@@ -133,7 +133,7 @@ void add_matrix(const std::optional<Transform<double>>& transform, std::span<Res
 }
 
 void add_primitives(const Scene& scene, lostbits_result& result) {
-    const std::vector<Primitive<double>> primitives = scene::rays::stored_primitives(scene, binary64);
+    const std::vector<Primitive<double>> primitives = scene::rays::make_stored_primitives(scene, binary64);
     for (const Shape shape : scene.shapes()) {
         // Only shapes that matrices place have the columns of a matrix.
         std::vector<output::file::Column> columns;

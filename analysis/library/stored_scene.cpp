@@ -15,8 +15,8 @@ scene::rays::PrimitiveList<double> primitive_list(std::vector<Primitive<double>>
 }
 
 SceneInFormat::SceneInFormat(const Scene& scene, const FloatFormat& format)
-    : primitives_beside_mesh(scene::rays::stored_beside_mesh(scene, format)),
-      mesh(scene::rays::stored_mesh(scene, format)) {}
+    : primitives_beside_mesh(scene::rays::make_stored_primitives_beside_mesh(scene, format)),
+      mesh(scene::rays::make_stored_mesh(scene, format)) {}
 
 const measure::culling::Culler& SceneInFormat::culler() const {
     std::call_once(culler_made_, [this] { culler_.emplace(primitive_list(primitives_beside_mesh, mesh)); });

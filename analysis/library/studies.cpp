@@ -26,7 +26,7 @@ namespace {
 
 std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& path, const std::string& data,
                                                    CallSelection& chosen, CallSettings& settings) {
-    if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::axes)
+    if (scene::sweep::read_sweep_kind(path) != scene::sweep::SweepKind::axes)
         throw InputError(path.string() +
                          ": is not a sweep along axes: it has cases, a search or every float of a range; `lostbits "
                          "sweep` measures those");
@@ -37,7 +37,7 @@ std::unique_ptr<lostbits_result> make_sweep_result(const std::filesystem::path& 
     auto request =
         study::sweep_request(sweep, chosen.tested_forms, std::move(metrics), chosen.metric_set, settings.stop());
     output::sweep::SweepWriter::require_own_columns(request);
-    request.progress = settings.advance_callback(measure::sweep::sweep_units(request));
+    request.progress = settings.advance_callback(measure::sweep::count_sweep_units(request));
     const auto measured_sweep = measure::sweep::measure_sweep(request);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("samples", output::sweep::sample_table(request),
@@ -102,7 +102,7 @@ std::unique_ptr<lostbits_result> make_study_result(const scene::file::Scene& sce
 
     auto study = Adapter::make_study(scene, chosen.tested_forms, study::study_values(Adapter::options(), options),
                                      settings.stop());
-    study.progress = settings.advance_callback(scene.pixels() * study.tested_forms.size());
+    study.progress = settings.advance_callback(scene.pixel_count() * study.tested_forms.size());
     const auto summaries = measure::study::run_study(study);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("summary", Adapter::Presentation::make_summary_table(),
@@ -115,7 +115,7 @@ std::unique_ptr<lostbits_result> make_trade_result(const scene::file::Scene* sce
     auto request = study::trade_request(scene, shape, {chosen.tested_forms, chosen.forms, true});
     if (quick) request.plan = study::quick_plan();
     request.limit.stop = request.plan.stop = settings.stop();
-    request.plan.progress = settings.advance_callback(measure::trade::trade_units(request));
+    request.plan.progress = settings.advance_callback(measure::trade::count_trade_units(request));
     const auto measured_trade = measure::trade::run_trade(request);
     auto result = std::make_unique<lostbits_result>();
     result->add_table("trade", output::trade::make_time_table(),
@@ -134,8 +134,8 @@ measure::choose::Requirement parse_requirement(const lostbits_requirement& requi
         throw InputError("tolerance is not a number; give a length, or a number below 0 for any");
     measure::choose::Requirement result{
         .bits = requirement.bits,
-        .wrong = requirement.wrong,
-        .quantile = measure::choose::quantile_named(requirement.at ? requirement.at : default_at)};
+        .max_wrong_fraction = requirement.wrong,
+        .quantile = measure::choose::parse_quantile(requirement.at ? requirement.at : default_at)};
     if (requirement.tolerance >= 0) result.tolerance = requirement.tolerance;
     return result;
 }
@@ -186,7 +186,7 @@ bool choose_into(lostbits_result& result, const scene::file::Scene& scene,
     if (request.tested_forms.empty())
         throw InputError(
             "choose compares f32 and f64 only: the time of an emulated format says nothing; name one of them");
-    request.progress = settings.advance_callback(scene.pixels() * request.tested_forms.size());
+    request.progress = settings.advance_callback(scene.pixel_count() * request.tested_forms.size());
 
     measure::choose::TimedRays timed_rays;
     const auto candidates = measure_candidates(request, timed_rays);

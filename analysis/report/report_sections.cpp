@@ -157,7 +157,7 @@ SweepSection measure_axes_section(const PlannedSweep& planned, StopToken stop) {
     if (sweep.axes.size() == 2) {
         add_plane(section, request, steps);
     } else {
-        request.further_draws = planned.further_draws;
+        request.further_draw_count = planned.further_draw_count;
         add_line(section, request, steps);
     }
     return section;
@@ -212,7 +212,7 @@ output::report::MapSection measure_map_section(PlannedMap& planned, measure::met
 }
 
 SweepSection measure_sweep_section(const PlannedSweep& planned, StopToken stop) {
-    SweepSection section = scene::sweep::sweep_kind(planned.path) == scene::sweep::SweepKind::cases
+    SweepSection section = scene::sweep::read_sweep_kind(planned.path) == scene::sweep::SweepKind::cases
                                ? measure_case_section(planned, stop)
                                : measure_axes_section(planned, stop);
     section.json["named"] = selection::sweep_argument(planned.path, planned.data);

@@ -37,7 +37,7 @@ output::report::MapSection measure_map_section(PlannedMap& planned, measure::met
 struct PlannedSweep {
     std::filesystem::path path, data;
     std::vector<measure::evaluate::TestedForm> tested_forms;
-    int further_draws = 0;  ///< more draws of random rays, for the spread of onsets
+    int further_draw_count = 0;  ///< more draws of random rays, for the spread of onsets
 };
 output::report::SweepSection measure_sweep_section(const PlannedSweep& planned, StopToken stop);
 

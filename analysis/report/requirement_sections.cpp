@@ -33,7 +33,7 @@ public:
         std::string bits = remove_last_part();
         if (bits.starts_with('p') || bits == "max") {
             try {
-                requirement.quantile = measure::choose::quantile_named(bits);
+                requirement.quantile = measure::choose::parse_quantile(bits);
             } catch (const InputError& error) {
                 refuse(error.what());
             }

@@ -255,14 +255,14 @@ std::string difference_text(const measure::tape::DriverDifference& found) {
 /// Prints how the answers of a driver differ from those of the followed function, and which operation explains it.
 void print_difference(const std::string& message_prefix, const measure::tape::DriverDifference& found,
                       const intersect::table::Intersector& program) {
-    if (found.differing_rays == 0) {
+    if (found.differing_ray_count == 0) {
         fmt::print(stderr, "{}: the driver gives the bits of the followed function on {} random rays\n", message_prefix,
                    found.ray_count);
         return;
     }
     const std::string difference =
         fmt::format("{}: the driver gives other bits than the followed function on {} of {} random rays",
-                    message_prefix, found.differing_rays, found.ray_count);
+                    message_prefix, found.differing_ray_count, found.ray_count);
     if (!found.is_explained()) {
         fmt::print(stderr,
                    "{}; no tried change explains all of these rays (another order of sums, fused "

@@ -118,7 +118,7 @@ std::optional<Shape> shared_shape(const RayFileOptions& options, const std::opti
 
 std::vector<Primitive<double>> shared_primitives(const RayFileOptions& options,
                                                  const std::optional<scene::file::Scene>& scene, const Format& format) {
-    if (scene) return scene::rays::stored_beside_mesh(*scene, format.parameters);
+    if (scene) return scene::rays::make_stored_primitives_beside_mesh(*scene, format.parameters);
     std::vector<Primitive<double>> primitives;
     for (const auto& [shape, text] : options.primitives.in_given_order())
         primitives.push_back(parse_primitive(shape, text, format));

@@ -194,7 +194,7 @@ std::optional<intersect::Touching> judging_convention(const RayOptions& options,
 SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm tested_form,
                                          const std::filesystem::path& path, const std::filesystem::path& data) {
     using scene::sweep::SweepKind;
-    const SweepKind kind = scene::sweep::sweep_kind(path);
+    const SweepKind kind = scene::sweep::read_sweep_kind(path);
     for (const auto& [given, option, why] :
          {std::tuple{&options.pixel, "--pixel", "names one ray, but --worst searches all of them"},
           {&options.ray, "--ray", "names one ray, but --worst searches all of them"},
@@ -226,7 +226,7 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
 
 SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, const std::filesystem::path& data) {
     const auto path = scene::sweep::find_sweep(options.subject, data);
-    if (scene::sweep::sweep_kind(path) != scene::sweep::SweepKind::cases)
+    if (scene::sweep::read_sweep_kind(path) != scene::sweep::SweepKind::cases)
         throw InputError(
             options.subject +
             ": has no [[case]] tables for --case; use --worst for its worst ray, or a command in the column "
@@ -238,7 +238,7 @@ SelectedRay find_ray_in_case(const RayOptions& options, TestedForm tested_form, 
     tested_form.touching = judging_convention(options, file);
 
     // Without an index, the worst ray of the case.
-    const int ray_count = file.rays_of(case_index);
+    const int ray_count = file.ray_count(case_index);
     auto groups = file.rays(case_index, tested_form.format.parameters);
     const int count = ray_count * static_cast<int>(groups.size());
     if (ray_index && *ray_index >= count)
@@ -305,7 +305,7 @@ SelectedRay make_ray_from_options(const RayOptions& options, const TestedForm& g
 
     if (options.ray.empty()) throw InputError("explain: the ray is missing; give --ray OX,OY,OZ,DX,DY,DZ");
     const Ray<Real> ray = parse_ray(options);
-    RayGroup group = scene::rays::group_of(to_double_ray(ray));
+    RayGroup group = scene::rays::make_group(to_double_ray(ray));
     group.primitives = std::move(primitives);
 
     // The ends of its range.

@@ -203,7 +203,7 @@ OpenedRays open_rays(const RayFileOptions& options, const std::vector<std::strin
                       .primitives = shared_primitives(options, target_scene, result.ray_file->format()),
                       .contract = answer_contract(options, *result.ray_file)};
     if (target_scene)
-        result.options.mesh = scene::rays::stored_mesh(*target_scene, result.ray_file->format().parameters);
+        result.options.mesh = scene::rays::make_stored_mesh(*target_scene, result.ray_file->format().parameters);
     const std::vector<Primitive<double>> representatives = result.options.representatives();
     transform_by_records(*result.ray_file, representatives);
     result.shapes = shapes_of_rays(result.ray_file->layout(), representatives);

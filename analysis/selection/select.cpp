@@ -298,7 +298,7 @@ std::vector<const Metric*> with_default_metrics(const std::vector<const Metric*>
     for (const Metric& metric : measure::metric::metrics()) {
         const bool is_given = std::ranges::find(given, &metric) != given.end();
         if (compares_forms(&metric) && !compares_any(tested_forms)) continue;
-        if ((metric.by_default || is_given) && (marches || metric.domain != measure::metric::MetricDomain::marches))
+        if ((metric.is_default || is_given) && (marches || metric.domain != measure::metric::MetricDomain::marches))
             all.push_back(&metric);
     }
     std::ranges::copy_if(given, std::back_inserter(all), [](const Metric* m) { return !m->label.empty(); });

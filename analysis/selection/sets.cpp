@@ -294,7 +294,7 @@ Forms select_composed(const std::string& pattern, const char* option) {
                                return select_items(intersect::bounding_box::box_methods(), {part_pattern},
                                                    "bounding box", quoted_option.c_str());
                            },
-                       .contracted = measure::tape::contracted_form});
+                       .contracted = measure::tape::contract_form});
 
     if (composed.empty() && is_contracted)
         throw NothingSelected(
@@ -338,7 +338,7 @@ void require_no_contracted_forms(const std::vector<TestedForm>& tested_forms, co
 
 void require_no_generated_rays(const std::vector<scene::file::Scene>& scenes, const char* command) {
     for (const scene::file::Scene& scene : scenes)
-        if (scene.camera.rays)
+        if (scene.camera.ray_generator)
             throw InputError(fmt::format(
                 "{}: {}: each format makes the rays of this scene by its own arithmetic (camera.rays), but {} "
                 "needs exact rays, which it rounds to each format; use `lostbits map`, or leave out camera.rays",

@@ -76,7 +76,7 @@ const ArgumentKinds argument_rows[] = {
 Kind read_sweep_kind(const fs::path& path) {
     using scene::sweep::SweepKind;
     try {
-        const SweepKind kind = scene::sweep::sweep_kind(path);
+        const SweepKind kind = scene::sweep::read_sweep_kind(path);
         return kind == SweepKind::cases                                      ? Kind::cases
                : kind == SweepKind::search || kind == SweepKind::edge_search ? Kind::search
                                                                              : Kind::sweep;

@@ -65,9 +65,9 @@ void add_unrepresentable_numbers(const RayGroup& group, bool includes_march,
 
 void note_unrepresentable_numbers(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms) {
     for (const Format& format : distinct_formats(tested_forms)) {
-        print_unrepresentable(scene.id, format, scene::rays::unrepresentable_lengths(scene, format.parameters));
+        print_unrepresentable(scene.id, format, scene::rays::find_unrepresentable_lengths(scene, format.parameters));
         if (!marches_in(format, tested_forms)) continue;
-        for (const std::string& lost : scene::file::unrepresentable_constants(scene, format.parameters))
+        for (const std::string& lost : scene::file::find_unrepresentable_constants(scene, format.parameters))
             print_unrepresentable(scene.id, format, {"march." + lost});
     }
 }

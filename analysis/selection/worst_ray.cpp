@@ -36,7 +36,7 @@ struct OverallWorst {
     explicit OverallWorst(const std::vector<FormSummary>& summaries) {
         FormSummary all;
         for (const FormSummary& summary : summaries) {
-            rays += summary.rays;
+            rays += summary.ray_count;
             for (std::size_t o = 0; o < all.outcomes.size(); ++o) all.outcomes[o] += summary.outcomes[o];
         }
         has_hit = all.count(Outcome::agree_hit) > 0;
@@ -77,7 +77,7 @@ std::size_t index_among(const std::vector<RayGroup>& groups, const WorstRay& ray
 RayGroup pick_ray(std::vector<RayGroup> groups, int rays_per_group, int ray_index) {
     RayGroup& group = groups[ray_index / rays_per_group];
     const auto index = static_cast<std::size_t>(ray_index % rays_per_group);
-    RayGroup single_ray = scene::rays::group_of(group.rays[index]);
+    RayGroup single_ray = scene::rays::make_group(group.rays[index]);
     single_ray.primitives = std::move(group.primitives);
     single_ray.rays.push_range(group.rays, index);
     return single_ray;
@@ -137,8 +137,8 @@ SelectedRay find_worst_in_sweep(const scene::sweep::SweepFile& sweep, const Test
         nullptr, OneRay(RayGroup(*ray->given)), tested_form.form,
         fmt::format("Ray {} (counted from 0) of the {} of the step {}, the worst of {} in {} steps for this "
                     "form: {}.\n",
-                    index_among(sweep.rays(values[worst.summary_index]), *ray), summaries[worst.summary_index].rays,
-                    step, worst.rays, summaries.size(), worst.reason)};
+                    index_among(sweep.rays(values[worst.summary_index]), *ray),
+                    summaries[worst.summary_index].ray_count, step, worst.rays, summaries.size(), worst.reason)};
     found.ray.set_touching(tested_form.touching);
     return found;
 }
@@ -151,7 +151,7 @@ SelectedRay find_worst_in_cases(const scene::sweep::CaseFile& file, const Tested
                                           .front()));
     const OverallWorst worst(summaries);
     if (worst.ray == nullptr) fail_without_worst(tested_form, "the file of cases " + file.id, worst);
-    const int rays_per_group = file.rays_of(worst.summary_index),
+    const int rays_per_group = file.ray_count(worst.summary_index),
               ray_index = worst.ray->group * rays_per_group + static_cast<int>(worst.ray->x);
     SelectedRay found{
         nullptr,

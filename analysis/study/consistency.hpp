@@ -52,7 +52,7 @@ struct ConsistencyAdapter {
 
     static Study make_study(const scene::file::Scene& scene, std::vector<measure::evaluate::TestedForm> tested_forms,
                             const StudyValues& values, intersect::process::StopToken stop) {
-        auto checks = measure::consistency::checks_for(
+        auto checks = measure::consistency::select_checks(
             scene, tested_forms,
             selection::select_items(measure::consistency::checks(), values.at("check"), "check", "--check"));
         if (checks.empty())

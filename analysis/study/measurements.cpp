@@ -45,7 +45,7 @@ measure::sweep::SweepRequest sweep_request(const scene::sweep::SweepFile& sweep,
                                                 measure::evaluate::forms_of(request.tested_forms),
                                                 [&sweep] { return OwnedSetting(sweep.first_rays()); });
     for (TestedForm& tested_form : request.tested_forms) tested_form.touching = sweep.convention;
-    request.further_draws = 2;
+    request.further_draw_count = 2;
     request.recoveries = request.both_ends = true;
     return request;
 }
@@ -116,9 +116,10 @@ measure::trade::TradeRequest trade_request(const scene::file::Scene* scene, cons
         scene ? selection::select_timed_forms(*scene, selected) : select_forms_of_shape(shape, selected.tested_forms);
     return {.shape = tested_forms.front().form->shape,
             .scene = scene,
-            .kernels = measure::trade::trade_kernels(tested_forms),
+            .kernels = measure::trade::make_trade_kernels(tested_forms),
             .metrics = {measure::metric::find_metric("lost_bits"), measure::metric::find_metric("excess_bits")},
-            .loads = scene ? measure::trade::scene_load() : measure::trade::trade_loads(measure::trade::cache_sizes())};
+            .loads = scene ? measure::trade::make_scene_load()
+                           : measure::trade::make_trade_loads(measure::trade::read_cache_sizes())};
 }
 
 measure::trade::TimingPlan quick_plan() {

@@ -84,8 +84,8 @@ struct NumberStudy {
     NumberBand measure(const measure::truth::Band& band, std::size_t form_index, NumberSummary& summary) const {
         const measure::consistency::FormOnBand on_band(scene, tested_forms[form_index], band);
         NumberBand result{band.y0(), band.scanlines(), scene.width,
-                          std::vector(on_band.pixels(), measure::truth::missing)};
-        for (std::size_t i = 0; i < on_band.pixels(); ++i) {
+                          std::vector(on_band.pixel_count(), measure::truth::missing)};
+        for (std::size_t i = 0; i < on_band.pixel_count(); ++i) {
             const measure::truth::Truth ray_truth = band.truth(i, tested_forms[form_index].convention());
             if (ray_truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
             if (!ray_truth.is_hit() || on_band.closest_hits.hit[i] == 0 ||

@@ -105,7 +105,7 @@ struct OffsetsAdapter {
                                                               const std::string& column) {
         const auto bad = find_bad_ray(row.summary->side_summary(row.side).strategies[row.strategy_index], column);
         if (!bad) return std::nullopt;
-        const auto explained_rays = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(bad->ray.ray));
+        const auto explained_rays = std::make_shared<scene::rays::RayGroup>(scene::rays::make_group(bad->ray.ray));
         explained_rays->primitives = {bad->primitive};
         return measure::evaluate::WorstRay{.x = bad->x,
                                            .y = bad->y,

@@ -117,10 +117,11 @@ private:
             const measure::evaluate::TestedForm& tested_form = study.tested_forms[r];
             for (const measure::render::RenderSummary& summary : summaries[r])
                 fmt::print("  {:<8} {:<28} {:<5} {:>12} {:>12} {:>9} {:>9} {:>10.3g} {:>9}\n", name_of(summary.stage),
-                           tested_form.form->info->name, tested_form.format.name, summary.changed_pixels,
-                           summary.wrong_pixels(),
+                           tested_form.form->info->name, tested_form.format.name, summary.changed_pixel_count,
+                           summary.wrong_pixel_count(),
                            summary.count(measure::render::Receiver::sphere, measure::render::Shadow::own_shadow),
-                           summary.flipped_shadows(), summary.colour_error.quantile(0.99), summary.unresolved_count());
+                           summary.flipped_shadow_count(), summary.colour_error.quantile(0.99),
+                           summary.unresolved_count());
         }
     }
 };

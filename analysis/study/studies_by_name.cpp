@@ -47,7 +47,7 @@ StudyRow study_row(const output::table::Table<typename Adapter::Presentation::Su
         if (column.about.type == "string") row_values.texts[column.about.name] = cell.text();
         else row_values.numbers[column.about.name] = cell.number();
     }
-    row_values.unproved = Adapter::unproved_count(row);
+    row_values.unproved_count = Adapter::unproved_count(row);
     if constexpr (requires { Adapter::witness(row, ""); }) {
         for (const std::string& column : columns)
             if (auto witness = Adapter::witness(row, column)) row_values.witnesses[column] = std::move(*witness);

@@ -23,7 +23,7 @@ namespace {
 
 /// The outcomes that the summary of a scene without a mesh has.
 const auto without_mesh =
-    std::span(lostbits::measure::answer::outcome_names).first(lostbits::measure::answer::outcomes_without_mesh);
+    std::span(lostbits::measure::answer::outcome_names).first(lostbits::measure::answer::outcome_count_without_mesh);
 
 /// A double from its two words.
 double exact(const ExrImage& exr, const std::string& number, std::size_t i) {

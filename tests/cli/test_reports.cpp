@@ -50,7 +50,7 @@ std::set<std::string> measured_ids() {
     std::set<std::string> ids;
     std::set<const char*> used;
     using lostbits::scene::check::Claim;
-    for (const auto& file : lostbits::scene::check::claim_files(LOSTBITS_DATA_DIR "/claims")) {
+    for (const auto& file : lostbits::scene::check::list_claim_files(LOSTBITS_DATA_DIR "/claims")) {
         for (const Claim& claim : lostbits::scene::check::read_claims(file)) {
             if (claim.profile != Claim::Profile::results) continue;
             const auto found = std::ranges::find_if(slow_claims, [&](const SlowClaim& slow_claim) {

@@ -381,7 +381,7 @@ TEST_CASE("contract: contraction makes a watertight test leak", "[external]") {
     };
     const auto& woop = row_named("triangle.woop");
     CHECK(passing(woop) <= 1);  // 3e5 edges away, where a vertex is rounded by a hundredth of an edge
-    CHECK(passing(measure::tape::contracted_form(woop)) >= 10);
+    CHECK(passing(measure::tape::contract_form(woop)) >= 10);
     CHECK(edges_of(renamed(row_named("triangle.undivided"), 64)).verdict == warned);
 }
 

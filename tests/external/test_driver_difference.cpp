@@ -59,7 +59,7 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
     const Intersector& program = form("sphere.schoolbook");
     const Format& f32 = *find_format("f32");
     const Tape tape = record_tape(program, f32);
-    CHECK(find_driver_difference(program, program).differing_rays == 0);
+    CHECK(find_driver_difference(program, program).differing_ray_count == 0);
     for (std::size_t k = 0; k < driver_rewriting_names().size(); ++k) {
         std::vector<NodeId> all;
         rewrite_as_driver(whole(tape), k, nullptr, all);
@@ -72,7 +72,7 @@ TEST_CASE("drivers: the rewriting and its first operation are found by the answe
             const TapeForm driver(program, f32, made, "driver", "");
             const DriverDifference found = find_driver_difference(driver.form(), program);
             CAPTURE(driver_rewriting_names()[k], site);
-            if (found.differing_rays == 0) continue;  // it rounds the same on all rays
+            if (found.differing_ray_count == 0) continue;  // it rounds the same on all rays
             REQUIRE(found.rewritings.size() == 1);
             CHECK(found.rewritings[0].name == driver_rewriting_names()[k]);
             CHECK(found.first_changed() == site);

@@ -136,7 +136,7 @@ TEST_CASE("patches: patch makes the new text from the old one", "[external]") {
         const auto now = apply_changes(old, changes);
         if (!now || *now == old) continue;
         std::ofstream(made.path() / "own.c") << old;
-        std::ofstream(made.path() / "own.patch") << lostbits::measure::repair::unified_diff("own.c", old, *now);
+        std::ofstream(made.path() / "own.patch") << lostbits::measure::repair::make_unified_diff("own.c", old, *now);
         CAPTURE(old, *now);
         REQUIRE(shell(made, "patch -s -p0 < own.patch") == 0);
         CHECK(contents(made.path() / "own.c") == *now);

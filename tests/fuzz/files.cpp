@@ -84,7 +84,7 @@ void fuzz_sweep(std::string_view bytes) {
     using namespace scene::sweep;
     const std::filesystem::path path = file_of(bytes);
     answer_or_error([&] {
-        switch (sweep_kind(path)) {
+        switch (read_sweep_kind(path)) {
             case SweepKind::axes: static_cast<void>(SweepFile(path, LOSTBITS_DATA_DIR).shapes()); return;
             case SweepKind::cases: static_cast<void>(CaseFile{path}); return;
             case SweepKind::search: static_cast<void>(SearchFile{path}); return;
@@ -92,7 +92,7 @@ void fuzz_sweep(std::string_view bytes) {
             case SweepKind::every_float: break;
         }
         const ExhaustiveFile file(path, LOSTBITS_DATA_DIR);
-        if (file.floats() > 0) static_cast<void>(file.group_at(0, float_at(file.ranges().front().first)));
+        if (file.float_count() > 0) static_cast<void>(file.group_at(0, float_at(file.ranges().front().first)));
     });
 }
 

@@ -49,7 +49,7 @@ std::vector<std::string> answers_of(const Tape& made, const intersect::table::In
 
 /// Every operation wider, every second one, or none.
 std::vector<NodeId> sample_rays(const Tape& made, int every) {
-    const auto all = tape::rounded_operations(made);
+    const auto all = tape::find_widenable_operations(made);
     std::vector<NodeId> some;
     for (std::size_t k = 0; every > 0 && k < all.size(); k += static_cast<std::size_t>(every)) some.push_back(all[k]);
     return some;

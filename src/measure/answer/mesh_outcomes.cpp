@@ -99,7 +99,7 @@ private:
         return {primitive, truth_at(primitive), facing(primitive)};
     }
     [[nodiscard]] int facing(std::int32_t primitive) const {
-        return crossing::facing_of(band_answers_.inputs.rays[ray_], triangle(primitive)).value_or(0);
+        return crossing::find_facing(band_answers_.inputs.rays[ray_], triangle(primitive)).value_or(0);
     }
     /// True if two triangles are one crossing of the surface: they face the same side, or one is seen edge-on. In
     /// addition, if the ray meets both, it meets them at the same t; otherwise they share a vertex.

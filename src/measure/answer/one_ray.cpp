@@ -20,7 +20,7 @@ OneRay::OneRay(const Scene& scene, int x, int y, truth::ProofLimit limit) {
         // more spheres.
         const scene::rays::RayBlock row = scene::rays::make_shared_rays(scene, y, y + 1);
         const auto column = static_cast<std::size_t>(x);
-        scene::rays::RayBlock single_ray = scene::rays::group_of(row[column]).rays;
+        scene::rays::RayBlock single_ray = scene::rays::make_group(row[column]).rays;
         single_ray.push_range(row, column);
         make_band(scene, std::move(single_ray), limit);
         return;
@@ -33,7 +33,7 @@ OneRay::OneRay(const Scene& scene, const Ray<Real>& ray, truth::ProofLimit limit
     scene::rays::IdealRayBlock single_ray;
     single_ray.push(ray);
     single_ray.mark_as_list();
-    scene::rays::put_range(scene, single_ray);
+    scene::rays::set_range(scene, single_ray);
     if (scene.inputs == scene::file::InputRounding::own)
         band_ = std::make_unique<Band>(scene, std::move(single_ray), limit);
     else make_band(scene, scene::rays::round_rays(single_ray, binary64), limit);
@@ -46,7 +46,7 @@ void OneRay::make_band(const Scene& scene, scene::rays::RayBlock ray, truth::Pro
 
 OneRay::OneRay(scene::rays::RayGroup group) : band_(std::make_unique<Band>(std::move(group))) {}
 
-std::vector<OneRay> OneRay::pixels_around(const Scene& scene, int x, int y, truth::ProofLimit limit) {
+std::vector<OneRay> OneRay::make_pixels_around(const Scene& scene, int x, int y, truth::ProofLimit limit) {
     std::vector<OneRay> rays;
     for (const int row : {y, y - 1, y + 1}) {
         if (row < 0 || row >= scene.height) continue;
@@ -77,8 +77,8 @@ truth::CertifiedNumber OneRay::true_t(const intersect::Info& info) const {
     return info.direction == intersect::Direction::unit ? ray_truth.distance : ray_truth.t;
 }
 
-intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format,
-                                     const OneRay& ray) {
+intersect::table::MarchLog record_march(const intersect::table::Intersector& form, const Format& format,
+                                        const OneRay& ray) {
     const OneRay::Inputs in = ray.inputs(form, format);
     return form.log(format, in.ray(*form.info), in.format_inputs.target_for(form, 0));
 }

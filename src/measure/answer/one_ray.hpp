@@ -29,8 +29,8 @@ public:
     explicit OneRay(scene::rays::RayGroup group);
     /// Makes the ray of pixel (x, y) of a scene whose camera names a ray generator. The other rays of the result are
     /// those of the pixels at most `columns_around` columns and one row away.
-    static std::vector<OneRay> pixels_around(const scene::file::Scene& scene, int x, int y,
-                                             truth::ProofLimit limit = {});
+    static std::vector<OneRay> make_pixels_around(const scene::file::Scene& scene, int x, int y,
+                                                  truth::ProofLimit limit = {});
     static constexpr int columns_around = 10;
     /// Sets the touching convention that the ray is judged by; by default each form is judged by its own.
     void set_touching(std::optional<intersect::Touching> convention) { touching_ = convention; }
@@ -96,7 +96,7 @@ private:
 };
 
 /// Records the march of a form that marches (`form.log`) along a ray.
-intersect::table::MarchLog march_log(const intersect::table::Intersector& form, const Format& format,
-                                     const OneRay& ray);
+intersect::table::MarchLog record_march(const intersect::table::Intersector& form, const Format& format,
+                                        const OneRay& ray);
 
 }  // namespace lostbits::measure::answer

@@ -33,9 +33,9 @@ inline constexpr std::array<std::string_view, 11> outcome_names{
     "agree_hit",       "agree_miss", "false_hit",  "false_miss",      "not_a_number", "unresolved",
     "wrong_primitive", "crack",      "double_hit", "wrong_neighbour", "out_of_order"};
 /// Number of outcomes, counted from the first, that are possible where a ray has a single primitive.
-inline constexpr std::size_t outcomes_of_one_primitive = 6;
+inline constexpr std::size_t single_primitive_outcome_count = 6;
 /// Number of outcomes that are possible where a ray has several primitives that are not a mesh.
-inline constexpr std::size_t outcomes_without_mesh = 7;
+inline constexpr std::size_t outcome_count_without_mesh = 7;
 
 /// The ways in which a decision can be wrong. A summary names the most frequent kind, and the first in this list among
 /// equally frequent ones.

@@ -273,8 +273,8 @@ Levels find_lost_level(const Intersector& form, const Format& format, const Ray<
 
 /// Searches for the smallest number k of ulps by which the end must move until the form hits. If it hits at one end, it
 /// hits at every later one, so bisection is valid.
-double end_margin(const Intersector& form, const Format& format, const Ray<double>& ray,
-                  const Primitive<double>& primitive, const Range<double>& range) {
+double find_end_margin(const Intersector& form, const Format& format, const Ray<double>& ray,
+                       const Primitive<double>& primitive, const Range<double>& range) {
     const auto t = evaluate_one(form, format, ray, primitive, range.tmax);
     if (!t || !std::isfinite(*t)) return truth::missing;
 

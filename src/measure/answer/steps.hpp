@@ -87,7 +87,7 @@ Levels find_lost_level(const intersect::table::Intersector& form, const Format& 
 /// earlier hit ends the ray. The margin is the least k for which the row hits when the ray ends at t + k ulp(t), where
 /// t is the row's own answer. 0: the row hits even if the ray ends at t. Infinite if no k up to 2^p is enough; NaN if
 /// the row misses with the range's own end.
-double end_margin(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
-                  const Primitive<double>& primitive, const Range<double>& range);
+double find_end_margin(const intersect::table::Intersector& form, const Format& format, const Ray<double>& ray,
+                       const Primitive<double>& primitive, const Range<double>& range);
 
 }  // namespace lostbits::measure::answer

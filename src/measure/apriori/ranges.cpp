@@ -32,10 +32,10 @@ ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& i
     if (!exact) return {};
 
     // Compares the error of the hit with the bound of its box.
-    ObservedErrors observed{.hits = 1};
+    ObservedErrors observed{.hit_count = 1};
     if (part.bound.misses) observed.largest_ratio = HUGE_VAL;  // the bound says that there is no hit
     if (!(part.bound.error < HUGE_VAL)) return observed;
-    observed.bounded_hits = 1;
+    observed.bounded_hit_count = 1;
     observed.largest_error =
         std::fabs(truth::scaled_difference(truth::as_certified(tape[tape.outputs.t].value), *exact, 0));
     observed.largest_ratio = observed.largest_error == 0 ? 0 : observed.largest_error / part.bound.error;
@@ -45,9 +45,9 @@ ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& i
     const auto running_bound =
         query.form.bounded(query.format, ray, intersect::Target<double>(primitive), inputs.back());
     if (!running_bound || !(running_bound->error < HUGE_VAL)) return observed;
-    observed.running_hits = 1;
+    observed.running_hit_count = 1;
     observed.largest_running_bound = running_bound->error;
-    observed.wider_running_bounds = running_bound->error > part.bound.error ? 1 : 0;
+    observed.larger_running_bound_count = running_bound->error > part.bound.error ? 1 : 0;
     return observed;
 }
 
@@ -73,7 +73,7 @@ public:
         std::vector<std::vector<double>> result;
         for (std::size_t b = 0; b < bands_.size(); ++b) {
             const auto& rays = inputs_[b].rays_for(info_);
-            for (std::size_t i = 0; i < bands_[b].pixels(); ++i)
+            for (std::size_t i = 0; i < bands_[b].pixel_count(); ++i)
                 result.push_back(tape::inputs_of(rays[i], inputs_[b].primitives[primitive], bands_[b].range(i).tmax));
         }
         return result;
@@ -131,7 +131,7 @@ double quantile(std::vector<std::pair<double, double>>& weighted, double fractio
     return HUGE_VAL;
 }
 
-void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, double>>& leaves, const TapeBound& bound,
+void summarise(RangesBound& result, const std::vector<std::pair<const SubBox*, double>>& leaves, const TapeBound& bound,
                const FloatFormat& format) {
     std::vector<std::pair<double, double>> errors, ulps;
     const SubBox* worst = nullptr;
@@ -170,13 +170,13 @@ void summarize(RangesBound& result, const std::vector<std::pair<const SubBox*, d
 }  // namespace
 
 void ObservedErrors::append(const ObservedErrors& other) {
-    hits += other.hits;
-    bounded_hits += other.bounded_hits;
+    hit_count += other.hit_count;
+    bounded_hit_count += other.bounded_hit_count;
     largest_error = std::fmax(largest_error, other.largest_error);
     largest_ratio = std::fmax(largest_ratio, other.largest_ratio);
-    running_hits += other.running_hits;
+    running_hit_count += other.running_hit_count;
     largest_running_bound = std::fmax(largest_running_bound, other.largest_running_bound);
-    wider_running_bounds += other.wider_running_bounds;
+    larger_running_bound_count += other.larger_running_bound_count;
 }
 
 ObservedErrors observe_errors(const BoundQuery& query, const std::vector<std::vector<double>>& rays) {
@@ -233,7 +233,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
     for (std::size_t s = 0; s < primitive_count; ++s) {
         const Primitive<double> primitive = given.primitive(s);
         auto rays = given.inputs_of_rays(s);
-        result.rays = rays.size();
+        result.ray_count = rays.size();
         result.ranges.push_back(input_box_of(rays));
         apply_given_ranges(result.ranges.back(), request, result.names);
 
@@ -250,7 +250,7 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         result.errors_of_drawn_rays.append(observe_errors(query, draw_inputs(query, drawn_boxes, drawn_rays_per_box)));
     }
 
-    summarize(result, leaves, bound, request.format.parameters);
+    summarise(result, leaves, bound, request.format.parameters);
     return result;
 }
 

@@ -17,13 +17,14 @@ namespace lostbits::measure::apriori {
 
 /// Observed errors of rays: |t^ − t| of hits with and without rounding, in units of t.
 struct ObservedErrors {
-    /// Numbers of pairs of a ray and a primitive that hit; `bounded_hits` are those in boxes with a bound.
-    std::uint64_t hits = 0, bounded_hits = 0;
-    double largest_error = 0;          ///< of the bounded hits
-    double largest_ratio = 0;          ///< of an error to the bound of its box; if it is above 1, a bound is wrong
-    std::uint64_t running_hits = 0;    ///< number of bounded hits for which `Bounded` has a running bound too
-    double largest_running_bound = 0;  ///< of the running hits
-    std::uint64_t wider_running_bounds = 0;  ///< number of running bounds that are larger than the bound of their box
+    /// Numbers of pairs of a ray and a primitive that hit; `bounded_hit_count` are those in boxes with a bound.
+    std::uint64_t hit_count = 0, bounded_hit_count = 0;
+    double largest_error = 0;             ///< of the bounded hits
+    double largest_ratio = 0;             ///< of an error to the bound of its box; if it is above 1, a bound is wrong
+    std::uint64_t running_hit_count = 0;  ///< number of bounded hits for which `Bounded` has a running bound too
+    double largest_running_bound = 0;     ///< of the running hits
+    std::uint64_t larger_running_bound_count =
+        0;  ///< number of running bounds that are larger than the bound of their box
 
     void append(const ObservedErrors& other);
 };
@@ -40,8 +41,8 @@ struct BoundQuery {
 /// Observes the errors of rays with these inputs, all of which lie in the ranges.
 ObservedErrors observe_errors(const BoundQuery& query, const std::vector<std::vector<double>>& rays);
 
-/// Draws inputs in the `boxes` boxes with the largest bounds, `rays_per_box` in each box. Each number is a number of
-/// the format.
+/// Draws inputs in the `box_count` boxes with the largest bounds, `rays_per_box` in each box. Each number is a number
+/// of the format.
 std::vector<std::vector<double>> draw_inputs(const BoundQuery& query, std::size_t box_count, int rays_per_box);
 
 /// A range that replaces the scene's for the input of this name (`intersect::table::input_names`).
@@ -92,7 +93,7 @@ struct RangesBound {
     std::vector<double> node_contributions;
     ObservedErrors errors_of_given_rays;
     ObservedErrors errors_of_drawn_rays;  ///< of rays drawn where the bounds are largest
-    std::size_t rays = 0;                 ///< number of rays of the scene or the step
+    std::size_t ray_count = 0;            ///< number of rays of the scene or the step
 };
 
 /// Bounds the errors of each primitive of the scene separately. The box of inputs is the bounding box of all rays as

@@ -225,8 +225,8 @@ BoxSubdivision::BoxSubdivision(const TapeBound& bound, InputBox whole, std::size
     parts_.push_back({.bound = bound.bound_over(whole)});
     parts_.front().box = std::move(whole);
     for (std::size_t leaves = 1; leaves < max_leaves;) {
-        const auto chosen =
-            boxes_to_halve(std::min((leaves + leaves_per_halving - 1) / leaves_per_halving, max_leaves - leaves));
+        const auto chosen = choose_boxes_to_halve(
+            std::min((leaves + leaves_per_halving - 1) / leaves_per_halving, max_leaves - leaves));
         if (chosen.empty()) break;
         halve(chosen, bound, stop);
         leaves += chosen.size();
@@ -235,7 +235,7 @@ BoxSubdivision::BoxSubdivision(const TapeBound& bound, InputBox whole, std::size
 
 /// Returns the boxes with the largest scores. The score of a box is its volume times the bits by which its bound
 /// exceeds the smallest bound of all boxes.
-std::vector<std::size_t> BoxSubdivision::boxes_to_halve(std::size_t limit) const {
+std::vector<std::size_t> BoxSubdivision::choose_boxes_to_halve(std::size_t limit) const {
     double smallest_error = HUGE_VAL;
     for (const SubBox& box : parts_)
         if (!box.is_halved() && box.bound.error > 0) smallest_error = std::fmin(smallest_error, box.bound.error);

@@ -81,7 +81,7 @@ public:
     [[nodiscard]] std::vector<const SubBox*> leaves() const;
 
 private:
-    [[nodiscard]] std::vector<std::size_t> boxes_to_halve(std::size_t limit) const;
+    [[nodiscard]] std::vector<std::size_t> choose_boxes_to_halve(std::size_t limit) const;
     void halve(std::span<const std::size_t> parts_to_halve, const TapeBound& bound,
                const intersect::process::StopToken& stop);
 

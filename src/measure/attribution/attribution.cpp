@@ -100,8 +100,8 @@ private:
             case OperationKind::given:
             case OperationKind::rounded:
             case OperationKind::exact:
-                exact(i) =
-                    without_rounding<Exact>(n, [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
+                exact(i) = evaluate_without_rounding<Exact>(
+                    n, [&](std::size_t k) -> const Number& { return exact(n.operands[k]); });
                 break;
             case OperationKind::called: evaluate_call(i); break;
             case OperationKind::next_or_converted: exact(i) = exact(n.operands[0]); break;
@@ -268,7 +268,7 @@ private:
     }
 
     void choose_culprit() {
-        attribution_.equal_culprits = culprit_and_equals(tape_, attribution_);
+        attribution_.equal_culprits = find_culprit_and_equals(tape_, attribution_);
         if (attribution_.equal_culprits.empty()) return;
         attribution_.culprit = attribution_.equal_culprits.front();
         if (!(std::fabs(error_of(attribution_.culprit).contribution) > 0)) return attribution_.equal_culprits.clear();

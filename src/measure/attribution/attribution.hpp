@@ -49,7 +49,7 @@ struct Attribution {
     double contribution_sum = 0;      ///< sum of the contributions
     double first_order_sum = 0;       ///< sum of the contributions by derivatives; only with `AttributionDepth::full`
     int exact_bits = 0;               ///< precision of the exact values: 106 (double-double with bounds), or 2048
-    /// The live operation with the largest |contribution|. Among equals, the one that `largest_contributions` puts
+    /// The live operation with the largest |contribution|. Among equals, the one that `find_largest_contributions` puts
     /// first: if one is computed from the other, the later one. If the subject (or a side of it) is not finite, the
     /// operation that made it so. None if there is no error.
     NodeId culprit = no_node;
@@ -92,12 +92,13 @@ inline constexpr double equal_contribution_tolerance = 0x1p-20;
 /// operands from left to right. The order of the tape does not matter.
 ///
 /// `below`: considers only contributions smaller than this.
-std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& attribution,
-                                          std::optional<double> below = {});
+std::vector<NodeId> find_largest_contributions(const Tape& tape, const Attribution& attribution,
+                                               std::optional<double> below = {});
 
-/// Same as `largest_contributions`, but skips wrong choices that cancel each other, if there is any other error. Such
-/// choices took another path to the same value and rounded nothing. (closest_approach does so on two rays in five.)
-std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& attribution);
+/// Same as `find_largest_contributions`, but skips wrong choices that cancel each other, if there is any other error.
+/// Such choices took another path to the same value and rounded nothing. (closest_approach does so on two rays in
+/// five.)
+std::vector<NodeId> find_culprit_and_equals(const Tape& tape, const Attribution& attribution);
 
 /// True if the error of operation `from` goes through operation i.
 bool is_computed_from(const Tape& tape, const Attribution& attribution, NodeId i, NodeId from);

@@ -57,9 +57,9 @@ std::optional<Target<double>> target_of(const Intersector& form, const Setting& 
 /// Records the camera ray of the first pixel in binary32, if formats make the rays of the setting.
 std::optional<scene::rays::RecordedRay> record_first_pixel_ray(const Intersector& form, const Setting& setting) {
     const auto* const generator = scene::rays::generator_of(form);
-    if (setting.scene == nullptr || !(generator || setting.scene->camera.rays)) return std::nullopt;
+    if (setting.scene == nullptr || !(generator || setting.scene->camera.ray_generator)) return std::nullopt;
     const scene::rays::GeneratedRays rays(generator ? with_ray_generator(*setting.scene, *generator) : *setting.scene);
-    return rays.record(*find_format("f32"), {0, 0});
+    return rays.record_ray(*find_format("f32"), {0, 0});
 }
 
 /// Records all operations of a form, after those that make its rays. Returns the names of the inputs.
@@ -88,7 +88,7 @@ auto join_over_parts(const Intersector& set, const Setting& setting, const Names
 }  // namespace
 
 OwnedSetting::OwnedSetting(const scene::file::Scene& scene)
-    : primitives_(scene::rays::shared_primitives(scene)),
+    : primitives_(scene::rays::make_shared_primitives(scene)),
       scene_(std::shared_ptr<void>(), &scene),
       rays_have_ranges_(!scene.range.is_whole()) {
     if (scene.march) march_ = scene::file::round_march(*scene.march, binary32);
@@ -131,12 +131,12 @@ std::vector<std::string> names_of_inputs(const Intersector& form, const Target<d
     return names;
 }
 
-std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts) {
+std::uint64_t count_rays_with_culprit(std::span<const std::uint64_t> counts) {
     return std::accumulate(counts.begin() + 1, counts.end(), std::uint64_t{0});
 }
 
 double culprit_fraction(std::span<const std::uint64_t> counts, std::span<const std::size_t> categories) {
-    const std::uint64_t total = rays_with_culprit(counts);
+    const std::uint64_t total = count_rays_with_culprit(counts);
     std::uint64_t sum = 0;
     for (const std::size_t category : categories) sum += counts[category];
     return truth::fraction(sum, total);

@@ -71,7 +71,7 @@ std::vector<std::string> names_of_inputs(const intersect::table::Intersector& fo
 
 /// Number of rays that have a culprit, from the counts of `culprit`'s categories. Shares of culprits are relative to
 /// this number.
-std::uint64_t rays_with_culprit(std::span<const std::uint64_t> counts);
+std::uint64_t count_rays_with_culprit(std::span<const std::uint64_t> counts);
 
 /// Share of some categories in the rays that have a culprit, from the counts of `culprit`'s categories. NaN if no ray
 /// has a culprit. Rays without rounding errors have none.

@@ -73,7 +73,8 @@ struct NearbyRays {
 
 /// Mean lost bits over the rays whose truth is known. A wrong decision loses all bits. If t does not count, a right
 /// decision loses none.
-double mean_lost_bits(const Intersector& form, const Format& format, const NearbyRays& nearby_rays, bool counts_t) {
+double compute_mean_lost_bits(const Intersector& form, const Format& format, const NearbyRays& nearby_rays,
+                              bool counts_t) {
     double sum = 0;
     int counted = 0;
     for (const OneRay& ray : nearby_rays.rays) {
@@ -139,7 +140,8 @@ FormResult evaluate_other_form(const Explanation& explanation, const OneRay& ray
     // A form that answers only hit or miss loses no bits of t, but it is not better than a form with a right t.
     const bool answers_no_t = std::isnan(result.lost_bits) && !std::isnan(explanation.result.lost_bits);
     if (result.is_right() && !lost_all && !answers_no_t && !result.has_other_truth)
-        result.mean_lost_nearby = mean_lost_bits(form, explanation.format, nearby_rays, explanation.returns_t());
+        result.mean_lost_nearby =
+            compute_mean_lost_bits(form, explanation.format, nearby_rays, explanation.returns_t());
     return result;
 }
 
@@ -167,7 +169,7 @@ std::vector<const Intersector*> collect_other_forms(const Explanation& explanati
 void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const NearbyRays& nearby_rays,
                               std::span<const Intersector* const> named_forms) {
     explanation.result.mean_lost_nearby =
-        mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
+        compute_mean_lost_bits(*explanation.form, explanation.format, nearby_rays, explanation.returns_t());
 
     for (const Intersector* const other : collect_other_forms(explanation, named_forms)) {
         // The user learns which of the named forms cannot be compared; others are skipped.
@@ -191,9 +193,9 @@ void compare_with_other_forms(Explanation& explanation, const OneRay& ray, const
     }
 }
 
-std::vector<OneRay> pixels_around(const ScenePixel& pixel, const scene::file::Scene& scene,
-                                  std::optional<intersect::Touching> touching) {
-    std::vector<OneRay> rays = OneRay::pixels_around(scene, pixel.x, pixel.y, pixel.limit);
+std::vector<OneRay> make_pixels_around(const ScenePixel& pixel, const scene::file::Scene& scene,
+                                       std::optional<intersect::Touching> touching) {
+    std::vector<OneRay> rays = OneRay::make_pixels_around(scene, pixel.x, pixel.y, pixel.limit);
     for (OneRay& ray : rays) ray.set_touching(touching);
     return rays;
 }
@@ -210,10 +212,10 @@ void find_better_generators(Explanation& explanation, const OneRay& ray, const S
     const Intersector& form = scene::rays::strip_generator(*explanation.form);
     if (form.is_set() || form.has_transform_method) return;
     for (const scene::camera::RayGenerator& generator : scene::camera::ray_generators()) {
-        if (&generator == pixel.scene->camera.rays) continue;
+        if (&generator == pixel.scene->camera.ray_generator) continue;
         try {
             const scene::file::Scene scene = with_ray_generator(*pixel.scene, generator);
-            const auto rays = pixels_around(pixel, scene, ray.touching());
+            const auto rays = make_pixels_around(pixel, scene, ray.touching());
             const FormResult result =
                 evaluate_other_form(explanation, ray, scene::rays::with_generator(generator, form), rays.front(),
                                     nearby_pixels(explanation, rays));
@@ -228,7 +230,7 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
                                                       const std::optional<scene::rays::RecordedRay>& recorded_ray,
                                                       int true_primitive) {
     TruePrimitive result{.index = true_primitive,
-                         .ray_and_primitive = scene::rays::group_of(in.format_inputs.rays[in.index])};
+                         .ray_and_primitive = scene::rays::make_group(in.format_inputs.rays[in.index])};
     const auto index = static_cast<std::size_t>(true_primitive);
     result.ray_and_primitive.primitives = {in.format_inputs.primitives[index]};
     result.ray_and_primitive.rays.push_range(in.format_inputs.rays, in.index);
@@ -253,9 +255,9 @@ std::optional<TruePrimitive> answer_at_true_primitive(const Intersector& form, c
 }
 
 /// The true t of the ray under another range; nothing if it misses.
-std::optional<double> true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
-                                      const intersect::Info& info) {
-    scene::rays::RayGroup group = scene::rays::group_of(in.format_inputs.rays[in.index]);
+std::optional<double> find_true_t_in_range(const Range<double>& range, const OneRay& ray, const OneRay::Inputs& in,
+                                           const intersect::Info& info) {
+    scene::rays::RayGroup group = scene::rays::make_group(in.format_inputs.rays[in.index]);
     group.rays.tmin = {range.tmin};
     group.rays.tmax = {range.tmax};
     group.rays.open_ends = range.open_ends;
@@ -273,8 +275,9 @@ void find_hits_out_of_range(Explanation& explanation, const OneRay& ray, const O
     const Range<double> range = in.format_inputs.rays.range(in.index);
     if (range.is_whole() || !range.holds_any()) return;
     const intersect::Info& info = *explanation.form->info;
-    explanation.t_beyond_tmax = true_t_in_range({range.tmin, HUGE_VAL, {.tmin = range.open_ends.tmin}}, ray, in, info);
-    explanation.t_before_tmin = true_t_in_range({0, range.tmax, {.tmax = range.open_ends.tmax}}, ray, in, info);
+    explanation.t_beyond_tmax =
+        find_true_t_in_range({range.tmin, HUGE_VAL, {.tmin = range.open_ends.tmin}}, ray, in, info);
+    explanation.t_before_tmin = find_true_t_in_range({0, range.tmax, {.tmax = range.open_ends.tmax}}, ray, in, info);
 }
 
 /// True for equal numbers and for two NaN.
@@ -293,7 +296,7 @@ std::vector<answer::OneRay> make_neighbours(const answer::OneRay& ray, const ans
         for (Vec<double>* const v : {&neighbour.origin, &neighbour.direction}) {
             for (double* const number : {&v->x, &v->y, &v->z}) *number = move_by_ulps(*number, moves.next(), format);
         }
-        scene::rays::RayGroup group = scene::rays::group_of(neighbour);
+        scene::rays::RayGroup group = scene::rays::make_group(neighbour);
         group.rays.push_range(in.format_inputs.rays, in.index);
         group.primitives = primitives;
         group.march = in.format_inputs.march;
@@ -310,7 +313,7 @@ double Explanation::ulp_of_subject() const {
     return ulp_at(std::max(side(0), side(1)), format.parameters);
 }
 
-NodeId Explanation::amplifier(NodeId from) const {
+NodeId Explanation::find_amplifier(NodeId from) const {
     if (from == no_node) return no_node;
     std::vector<bool> is_reached(tape.nodes.size());
     is_reached[from] = true;
@@ -337,7 +340,7 @@ bool Explanation::rounding_changed_order() const {
     return !attribution.is_exact_hit || missed_primitive->exact_t < attribution[tape.outputs.t].exact;
 }
 
-std::vector<NodeId> Explanation::changed_decisions() const {
+std::vector<NodeId> Explanation::find_changed_decisions() const {
     std::vector<NodeId> nodes;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& e = attribution[i];
@@ -470,7 +473,7 @@ Explanation explain(const Intersector& form, const Format& format, const OneRay&
         const auto neighbour_rays = make_neighbours(ray, in, format.parameters, primitives);
         compare_with_other_forms(explanation, ray, {neighbour_rays}, named_forms);
     } else {
-        const auto pixels = pixels_around(*pixel, *pixel->scene, ray.touching());
+        const auto pixels = make_pixels_around(*pixel, *pixel->scene, ray.touching());
         const NearbyRays nearby_rays = nearby_pixels(explanation, pixels);
         explanation.nearby_pixel_count = static_cast<int>(nearby_rays.rays.size());
         compare_with_other_forms(explanation, ray, nearby_rays, named_forms);

@@ -85,11 +85,11 @@ struct Explanation {
     [[nodiscard]] double ulp_of_subject() const;
     /// The cancellation that loses the most bits among all live ones that the error of operation `from` goes through;
     /// `no_node` if none loses two bits.
-    [[nodiscard]] NodeId amplifier(NodeId from) const;
+    [[nodiscard]] NodeId find_amplifier(NodeId from) const;
     /// True if the form would hit `missed_primitive` first without rounding.
     [[nodiscard]] bool rounding_changed_order() const;
-    /// Decisions that rounding changed on the path to the answer  : choices that are live, and the form's own decision.
-    [[nodiscard]] std::vector<NodeId> changed_decisions() const;
+    /// Decisions that rounding changed on the path to the answer: choices that are live, and the form's own decision.
+    [[nodiscard]] std::vector<NodeId> find_changed_decisions() const;
 };
 
 /// Explains the form on the ray without comparing it with others: `better_forms`, `compared_forms` and

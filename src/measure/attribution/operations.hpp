@@ -35,7 +35,7 @@ decltype(auto) with_operands(const F& f, const Operand& operand) {
 
 /// Result of an operation on operand(0), … without rounding. Only for kinds that are given, rounded or exact.
 template <class Exact, class Operand>
-typename Exact::Number without_rounding(const TapeNode& node, const Operand& operand) {
+typename Exact::Number evaluate_without_rounding(const TapeNode& node, const Operand& operand) {
     using Number = typename Exact::Number;
     const auto evaluate = [&]<TapeOp op>() -> Number {
         if constexpr (is_given(op)) return Operation<op>::exact(Exact(), node);

@@ -56,11 +56,11 @@ private:
         switch (kind_of(n.op)) {
             case OperationKind::given:
             case OperationKind::rounded: {
-                const Number exact = without_rounding(n);
+                const Number exact = evaluate_without_rounding(n);
                 return decider.is_rounded_(i) ? Number(DeepExact::round_to(exact, tape_.format_of(i))) : exact;
             }
             case OperationKind::called: return call_result(i, decider);
-            case OperationKind::exact: return without_rounding(n);
+            case OperationKind::exact: return evaluate_without_rounding(n);
             case OperationKind::next_or_converted:
                 return decider.is_rounded_(i) ? moved_number(i) : value(n.operands[0]);
             case OperationKind::sign: {
@@ -73,8 +73,8 @@ private:
         }
         return {};
     }
-    [[nodiscard]] Number without_rounding(const TapeNode& node) const {
-        return attribution::without_rounding<DeepExact>(
+    [[nodiscard]] Number evaluate_without_rounding(const TapeNode& node) const {
+        return attribution::evaluate_without_rounding<DeepExact>(
             node, [&](std::size_t k) -> const Number& { return value(node.operands[k]); });
     }
     /// Result of a call. If the arguments are those of the tape, the result is the value on the tape, because the

@@ -79,8 +79,8 @@ bool are_wrong_choices_that_cancel(const Attribution& attribution, const std::ve
 
 }  // namespace
 
-std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& attribution,
-                                          std::optional<double> below) {
+std::vector<NodeId> find_largest_contributions(const Tape& tape, const Attribution& attribution,
+                                               std::optional<double> below) {
     // NaN counts as −1, so it comes after all numbers.
     const auto size = [&](NodeId i) {
         const double contribution = attribution[i].contribution;
@@ -108,13 +108,13 @@ std::vector<NodeId> largest_contributions(const Tape& tape, const Attribution& a
     return equals;
 }
 
-std::vector<NodeId> culprit_and_equals(const Tape& tape, const Attribution& attribution) {
-    const std::vector<NodeId> largest = largest_contributions(tape, attribution);
+std::vector<NodeId> find_culprit_and_equals(const Tape& tape, const Attribution& attribution) {
+    const std::vector<NodeId> largest = find_largest_contributions(tape, attribution);
     std::vector<NodeId> equals = largest;
     while (are_wrong_choices_that_cancel(attribution, equals)) {
         double least = HUGE_VAL;
         for (const NodeId i : equals) least = std::min(least, std::fabs(attribution[i].contribution));
-        equals = largest_contributions(tape, attribution, least);
+        equals = find_largest_contributions(tape, attribution, least);
     }
     const bool has_contribution = !equals.empty() && attribution[equals.front()].contribution != 0;
     return has_contribution ? equals : largest;

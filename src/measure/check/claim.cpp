@@ -27,7 +27,7 @@ using scene::check::Claim;
 namespace {
 
 /// Names a requirement of a claim that this machine does not meet; empty if it meets all of them.
-std::string unmet_requirement(const Claim& claim) {
+std::string find_unmet_requirement(const Claim& claim) {
     const auto rows = intersect::table::intersectors();
     const auto has_name = [&claim](const intersect::table::Intersector& known) {
         return known.info->name == claim.form;
@@ -138,7 +138,7 @@ const intersect::table::Intersector& compose_form(const Claim& claim, const scen
                                        return find_part(claim, intersect::bounding_box::box_methods(), name,
                                                         "bounding-box method");
                                    },
-                               .contracted = tape::contracted_form})
+                               .contracted = tape::contract_form})
                 .front();
 }
 
@@ -178,10 +178,11 @@ TestedForm tested_form_of(const Claim& claim) {
     return {&form, format, claim.convention};
 }
 
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* singular_text, const char* plural_text) {
-    if (unproved == 0) return;
+void require_proof(ClaimResult& result, std::uint64_t unproved_count, const char* singular_text,
+                   const char* plural_text) {
+    if (unproved_count == 0) return;
     result.state = ClaimResult::State::unmeasurable;
-    result.reason = text::count_with_noun(unproved, singular_text, plural_text);
+    result.reason = text::count_with_noun(unproved_count, singular_text, plural_text);
 }
 
 void add_draw(ClaimResult& result, const ClaimResult& draw) {
@@ -221,7 +222,7 @@ std::string slow_work(const Claim& claim) {
     const metric::Metric* slow = nullptr;
     for (const metric::Metric& m : metric::metrics()) {
         const bool is_longer = slow == nullptr || m.name.size() > slow->name.size();
-        if (!m.by_default && is_longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
+        if (!m.is_default && is_longer && claim.metric.starts_with(std::string(m.name) + "_")) slow = &m;
     }
     const bool reruns_form = slow != nullptr && (slow->needs & metric::needs_counterfactuals) != 0;
     if (asks_for_attribution(claim) && !reruns_form) return "the tape of every ray";
@@ -250,7 +251,7 @@ std::vector<ClaimResult> measure_claims(const std::vector<Claim>& claims, const 
     std::map<std::tuple<std::size_t, std::string, std::string>, std::vector<std::size_t>> groups;
     for (std::size_t i = 0; i < claims.size(); ++i) {
         const Claim& claim = claims[i];
-        results[i].reason = unmet_requirement(claim);
+        results[i].reason = find_unmet_requirement(claim);
         if (results[i].reason.empty())
             groups[{claim.subject.index(), claim.subject_name(), slow_work(claim)}].push_back(i);
         else results[i].state = ClaimResult::State::skipped;

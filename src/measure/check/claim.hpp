@@ -26,17 +26,17 @@ struct ClaimResult {
     /// with it; for a claim about all kinds together, the first ray of the most frequent kind.
     evaluate::WorstRay witness;
     /// Number of independent draws of rays (or numbers) behind `measured`; 0: nothing is random.
-    std::uint64_t samples = 0;
+    std::uint64_t sample_count = 0;
     /// Number of floats if every float of a range was tested; 0: the claim is of another kind.
-    std::uint64_t floats = 0;
-    std::uint64_t evaluations = 0;  ///< number of rays that a search tested; 0: the claim is not about a search
+    std::uint64_t float_count = 0;
+    std::uint64_t evaluation_count = 0;  ///< number of rays that a search tested; 0: the claim is not about a search
     std::vector<double> further_measured = {};  ///< values on further draws, one for each seed; NaN: no value
     /// For a claim about the 99th percentile of independent random rays (one ray per view): an interval that contains
     /// the 99th percentile of the whole ray distribution with 95 % confidence.
     std::optional<metric::Bounds> bounds = {};
     double seconds = 0;  ///< time of the measurement; claims that share a map or a sweep divide its time equally
 
-    [[nodiscard]] bool is_random() const { return samples > 0; }
+    [[nodiscard]] bool is_random() const { return sample_count > 0; }
     [[nodiscard]] metric::Spread spread() const { return metric::spread_of(measured, further_measured); }
 };
 
@@ -60,7 +60,7 @@ class ClaimStudies;
 struct ClaimRequest {
     std::filesystem::path data_dir;
     intersect::process::StopToken stop = {};
-    int further_draws = 0;                  ///< number of further seeds for each claim about random rays
+    int further_draw_count = 0;             ///< number of further seeds for each claim about random rays
     const ClaimStudies* studies = nullptr;  ///< not null if a claim is about a study
 };
 

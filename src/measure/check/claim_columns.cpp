@@ -17,7 +17,7 @@ namespace {
 
 /// Columns of a summary that hold numbers. A claim about culprits names operations instead (`culprits`).
 std::vector<SummaryColumn> number_columns(const std::vector<const Metric*>& metrics) {
-    auto columns = evaluate::summary_columns(metrics);
+    auto columns = evaluate::make_summary_columns(metrics);
     std::erase_if(columns, [](const SummaryColumn& column) {
         return column.kind == SummaryColumn::Kind::category || column.name == "culprit_fraction";
     });
@@ -72,7 +72,7 @@ ClaimColumns::ClaimColumns(const std::vector<const Claim*>& claims,
     for (const Metric& metric : lostbits::measure::metric::metrics()) {
         const bool is_named = std::ranges::any_of(
             claims, [&](const Claim* c) { return c->metric.starts_with(std::string(metric.name) + "_"); });
-        if (metric.by_default || is_named) metrics_.push_back(&metric);
+        if (metric.is_default || is_named) metrics_.push_back(&metric);
     }
     for (const Claim* claim : claims) {
         for (const std::string& text : claim->operations) find_operations(text, *claim, setting_);  // throws early

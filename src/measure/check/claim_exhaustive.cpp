@@ -53,13 +53,13 @@ std::vector<TallyNumber> tally_numbers(const TestedForm& tested_form, const Floa
     const double worst = tally.worst ? std::fabs(tally.worst->ulps) : truth::missing;
     std::vector<TallyNumber> numbers{
         {"wrong", static_cast<double>(tally.wrong_count())},
-        {"padding_max", sweep::padding_max(tested_form, tally)},
+        {"padding_max", sweep::max_padding(tested_form, tally)},
         {"ulp_error_max", worst},
         {"lost_bits_max", tally.worst ? truth::lost_bits(worst, binary32.precision) : truth::missing}};
     for (std::size_t o = 0; o < tally.outcomes.size(); ++o) {
         const std::string name(answer::outcome_names[o]);
         numbers.push_back({name, static_cast<double>(tally.outcomes[o])});
-        numbers.push_back({name + "_fraction", truth::fraction(tally.outcomes[o], tally.floats())});
+        numbers.push_back({name + "_fraction", truth::fraction(tally.outcomes[o], tally.float_count())});
     }
     return numbers;
 }
@@ -103,7 +103,8 @@ std::optional<std::uint32_t> witness_float(const Claim& claim, const FloatTally&
     return std::nullopt;
 }
 
-evaluate::WorstRay witness_at(const ExhaustiveRequest& request, std::size_t form_index, std::uint32_t float_index) {
+evaluate::WorstRay make_witness_at(const ExhaustiveRequest& request, std::size_t form_index,
+                                   std::uint32_t float_index) {
     const auto float_answer = sweep::answer_at(request, 0, form_index, float_index);
     const auto ray_group =
         std::make_shared<const scene::rays::RayGroup>(request.sweep.group_at(0, float_at(float_index)));
@@ -145,12 +146,12 @@ ClaimResult judge_tally(const Claim& claim, std::size_t form_index, const Exhaus
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
     ClaimResult result = judge(claim, measured, nullptr);
-    result.floats = tally.floats();
+    result.float_count = tally.float_count();
     if (!claim.onset.empty() && !onset) result.reason = "it does not happen at any of the floats";
     require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
     if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)
-        result.witness = witness_at(request, form_index, *float_index);
+        result.witness = make_witness_at(request, form_index, *float_index);
     return result;
 }
 

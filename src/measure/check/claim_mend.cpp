@@ -24,9 +24,10 @@ public:
         if (subject.size) std::tie(scene_.width, scene_.height) = *subject.size;
         request_.scene = &scene_;
         request_.tested_form = tested_form_for(claim, scene_);
-        request_.requirement = {.bits = subject.requirement.bits, .wrong = subject.requirement.wrong};
+        request_.requirement = {.bits = subject.requirement.bits,
+                                .max_wrong_fraction = subject.requirement.max_wrong_fraction};
         request_.requirement.quantile =
-            find_for_claim(claim, [&] { return choose::quantile_named(subject.requirement.at); });
+            find_for_claim(claim, [&] { return choose::parse_quantile(subject.requirement.quantile); });
         request_.limit.stop = run.stop;
         measurer_.emplace(request_);
         tape_ = find_for_claim(claim, [&] { return repair::record_tape(request_); });
@@ -44,7 +45,8 @@ public:
         if (own_quality_.meets(request_.requirement)) return 0;
         const FloatFormat wider = tape::wider_format(request_.tested_form.format.parameters, false);
         const auto quality_all_wider =
-            measurer_->measure_quality({tape::widen_operations(tape_, tape::rounded_operations(tape_), wider)}).front();
+            measurer_->measure_quality({tape::widen_operations(tape_, tape::find_widenable_operations(tape_), wider)})
+                .front();
         if (!quality_all_wider.meets(request_.requirement)) return truth::missing;
         return static_cast<double>(
             find_smallest_set(tape_, wider, quality_all_wider, request_, *measurer_, 0).operations.size());
@@ -80,8 +82,8 @@ double measured_value(const Claim& claim, MendedForm& form) {
 void measure(const SubjectClaims<MendSubject>& claims, const ClaimRequest& run) {
     // Claims about the same form, format, size and requirement are measured together.
     const auto measurement_key = [](const Claim& claim, const MendSubject& subject) {
-        return std::tuple(claim.form, claim.format, subject.requirement.bits, subject.requirement.wrong,
-                          subject.requirement.at, subject.size);
+        return std::tuple(claim.form, claim.format, subject.requirement.bits, subject.requirement.max_wrong_fraction,
+                          subject.requirement.quantile, subject.size);
     };
     std::map<decltype(measurement_key(claims.front().claim, claims.front().subject)), SubjectClaims<MendSubject>>
         claims_by_key;

@@ -29,7 +29,7 @@ double march_value(const Claim& claim, int step, const scene::file::Scene& scene
     if (!tested_form.form->log)
         scene::toml::fail(claim.where, claim.form + " does not march; `step` is for sdf.* forms");
     const intersect::table::MarchLog log =
-        answer::march_log(*tested_form.form, tested_form.format, answer::OneRay(scene, 0, 0, limit));
+        answer::record_march(*tested_form.form, tested_form.format, answer::OneRay(scene, 0, 0, limit));
     if (claim.metric == "steps") return static_cast<double>(log.steps.size());
     if (claim.metric == "hit") return log.hit.hit ? 1 : 0;
     if (claim.metric == "end") return log.hit.t;

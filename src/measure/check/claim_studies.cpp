@@ -114,7 +114,7 @@ void judge_claim(const StudyClaim& subject_claim, const StudyRow& row) {
     result = judge(subject_claim.claim, row.numbers.at(subject_claim.claim.metric), nullptr);
     if (const auto witness = row.witnesses.find(subject_claim.claim.metric); witness != row.witnesses.end())
         result.witness = witness->second;
-    require_proof(result, row.unproved, "pixel has no proved truth", "pixels have no proved truth");
+    require_proof(result, row.unproved_count, "pixel has no proved truth", "pixels have no proved truth");
 }
 
 /// Claims that one run of a study measures.

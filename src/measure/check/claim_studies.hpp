@@ -29,7 +29,7 @@ struct StudyRow {
     std::map<std::string, std::string> texts;                  ///< by column; form and format are columns too
     std::map<std::string, double> numbers;                     ///< by column; NaN if missing
     std::map<std::string, evaluate::WorstRay> witnesses = {};  ///< by requested column
-    std::uint64_t unproved = 0;                                ///< number of pixels whose truth is not proved
+    std::uint64_t unproved_count = 0;                          ///< number of pixels whose truth is not proved
 };
 
 /// Names of a study that a claim can use.

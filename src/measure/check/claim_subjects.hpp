@@ -54,8 +54,8 @@ void measure_exhaustive(const SubjectClaims<scene::check::SweepSubject>& claims,
 /// of the ray. The rays are seeded rays of `scene::box::BoxDistribution`, aimed at the shared edges of eight adjoining
 /// boxes from `distance` sizes away. Returns the share of the rays on which the nearest t over all boxes, or the
 /// decision, then differs.
-double differs_with_closest(const evaluate::TestedForm& tested_form, double distance, std::uint64_t seed,
-                            truth::ProofLimit limit);
+double measure_closest_t_difference(const evaluate::TestedForm& tested_form, double distance, std::uint64_t seed,
+                                    truth::ProofLimit limit);
 
 /// Adds the result of a further draw: a claim holds only if it holds for every draw.
 void add_draw(ClaimResult& result, const ClaimResult& draw);
@@ -67,7 +67,7 @@ void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, c
     measure_draw(claims, 0);
     const bool is_any_random =
         std::ranges::any_of(claims, [](const SubjectClaim<Kind>& claim) { return claim.result.is_random(); });
-    const auto further_draw_count = static_cast<std::size_t>(is_any_random ? run.further_draws : 0);
+    const auto further_draw_count = static_cast<std::size_t>(is_any_random ? run.further_draw_count : 0);
     std::vector<std::vector<ClaimResult>> draws(further_draw_count, std::vector<ClaimResult>(claims.size()));
     intersect::process::in_parallel(std::size_t{0}, further_draw_count, [&](std::size_t d) {
         SubjectClaims<Kind> draw_claims;
@@ -90,12 +90,13 @@ ClaimResult judge(const scene::check::Claim& claim, double measured, const evalu
 
 /// Marks the result as unmeasurable if some truths are not proved. The reason is "1 pixel has no proved truth" or "3
 /// pixels have …".
-void require_proof(ClaimResult& result, std::uint64_t unproved, const char* singular_text, const char* plural_text);
+void require_proof(ClaimResult& result, std::uint64_t unproved_count, const char* singular_text,
+                   const char* plural_text);
 
 /// The format of a claim. Throws InputError for an unknown name.
 Format claim_format(const scene::check::Claim& claim);
 
-/// Index of a row in `rows`, to which the row is added if it is new.
+/// Index of a tested form in `tested_forms`, to which it is added if it is new.
 inline std::size_t find_or_add_tested_form(std::vector<evaluate::TestedForm>& tested_forms,
                                            const evaluate::TestedForm& tested_form) {
     const auto found = std::ranges::find(tested_forms, tested_form);

@@ -48,8 +48,8 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
 }
 
 /// Bounds of the 99th percentile that a claim is about; empty for a claim about another number.
-std::optional<metric::Bounds> quantile_bounds(const Claim& claim, const ClaimColumns& columns,
-                                              const evaluate::FormSummary& summary) {
+std::optional<metric::Bounds> compute_quantile_bounds(const Claim& claim, const ClaimColumns& columns,
+                                                      const evaluate::FormSummary& summary) {
     if (!claim.metric.ends_with("_p99")) return std::nullopt;
     const auto bound = [&](const char* name) {
         Claim bound_claim = claim;
@@ -94,8 +94,9 @@ void measure_position(const AxesClaims& axes_claims, const sweep::SweepRequest& 
         const evaluate::FormSummary& summary = summaries[axes_claims.rows[k]];
         result = judge(claim, axes_claims.columns.value(claim, summary), &summary);
         if (!request.sweep.has_random_rays()) continue;
-        result.samples = summary.views;
-        if (summary.rays == summary.views) result.bounds = quantile_bounds(claim, axes_claims.columns, summary);
+        result.sample_count = summary.view_count;
+        if (summary.ray_count == summary.view_count)
+            result.bounds = compute_quantile_bounds(claim, axes_claims.columns, summary);
     }
 }
 
@@ -121,7 +122,7 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
         }
 
         result = judge(claim, onset->found ? onset->first_bad : missing, nullptr);
-        if (request.sweep.has_random_rays()) result.samples = onset->view_count;
+        if (request.sweep.has_random_rays()) result.sample_count = onset->view_count;
         if (!onset->found) result.reason = "it does not happen within the sweep";
     }
 }
@@ -162,7 +163,7 @@ void measure(const SubjectClaims<SweepSubject>& claims, const ClaimRequest& run)
     const Claim& first_claim = claims.front().claim;
     const std::string& subject_name = first_claim.subject_name();
     const auto path = find_for_claim(first_claim, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
-    switch (scene::sweep::sweep_kind(path)) {
+    switch (scene::sweep::read_sweep_kind(path)) {
         case SweepKind::cases: return measure_cases(claims, path, {.stop = run.stop});
         case SweepKind::search:
         case SweepKind::edge_search:
@@ -276,8 +277,8 @@ std::vector<std::size_t> add_searched_forms(const SubjectClaims<SearchSubject>& 
 ClaimResult judge_worst(const Claim& claim, const sweep::WorstResult& worst) {
     const bool is_right = worst.outcome == answer::Outcome::agree_hit;
     ClaimResult result = judge(claim, is_right ? worst.value : std::numeric_limits<double>::infinity(), nullptr);
-    result.evaluations = worst.evaluations;
-    scene::rays::RayGroup group = scene::rays::group_of(worst.ray);
+    result.evaluation_count = worst.evaluation_count;
+    scene::rays::RayGroup group = scene::rays::make_group(worst.ray);
     group.primitives = {worst.primitive};
     result.witness = {.x = 0,
                       .y = 0,
@@ -295,7 +296,7 @@ void measure(const SubjectClaims<SearchSubject>& claims, const ClaimRequest& run
     const Claim& first_claim = claims.front().claim;
     const std::string& subject_name = first_claim.subject_name();
     const auto path = find_for_claim(first_claim, [&] { return scene::sweep::find_sweep(subject_name, run.data_dir); });
-    const auto kind = scene::sweep::sweep_kind(path);
+    const auto kind = scene::sweep::read_sweep_kind(path);
     if (kind == scene::sweep::SweepKind::edge_search) return measure_census(claims, path, run);
     if (kind != scene::sweep::SweepKind::search)
         scene::toml::fail(first_claim.where,

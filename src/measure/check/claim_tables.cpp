@@ -22,7 +22,7 @@ namespace {
 /// an operand.
 struct ArithmeticRow {
     std::string_view name;
-    int samples;  ///< number of significands that are drawn; 0: the row is about fixed numbers
+    int sample_count;  ///< number of significands that are drawn; 0: the row is about fixed numbers
     double (*fraction)(const FloatFormat&, double argument, std::uint64_t seed);
 };
 
@@ -151,8 +151,8 @@ std::vector<double> find_nearest(const evaluate::TestedForm& tested_form, const 
 
 }  // namespace
 
-double differs_with_closest(const evaluate::TestedForm& tested_form, double distance, std::uint64_t seed,
-                            truth::ProofLimit limit) {
+double measure_closest_t_difference(const evaluate::TestedForm& tested_form, double distance, std::uint64_t seed,
+                                    truth::ProofLimit limit) {
     if (!takes_tmax(tested_form.form->shape))
         throw InputError(std::string(tested_form.form->info->name) +
                          " does not take the end of a ray; name a form that does");
@@ -176,8 +176,8 @@ namespace {
 ClaimResult judge_arithmetic(const Claim& claim, const TableSubject& subject, std::uint64_t seed) {
     const ArithmeticRow& row =
         measured_rows[index_of_name(claim, "row", subject.row, measured_rows, &ArithmeticRow::name)];
-    auto result = judge(claim, row.fraction(claim_format(claim).parameters, subject.at, seed), nullptr);
-    result.samples = static_cast<std::uint64_t>(row.samples);
+    auto result = judge(claim, row.fraction(claim_format(claim).parameters, subject.argument, seed), nullptr);
+    result.sample_count = static_cast<std::uint64_t>(row.sample_count);
     return result;
 }
 
@@ -186,9 +186,9 @@ ClaimResult judge_closest(const Claim& claim, const TableSubject& subject, std::
     Claim form_claim = claim;
     form_claim.form = subject.row;
     const double measured = find_for_claim(
-        claim, [&] { return differs_with_closest(tested_form_of(form_claim), subject.at, seed, limit); });
+        claim, [&] { return measure_closest_t_difference(tested_form_of(form_claim), subject.argument, seed, limit); });
     auto result = judge(claim, measured, nullptr);
-    result.samples = scene::box::BoxDistribution{}.views;
+    result.sample_count = scene::box::BoxDistribution{}.views;
     return result;
 }
 

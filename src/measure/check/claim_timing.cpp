@@ -81,7 +81,7 @@ double speedup_per_processor(const Claim& claim, const TimingSubject& subject, s
 
 void measure(const SubjectClaims<TimingSubject>& claims, const ClaimRequest& run) {
     for (const auto& [claim, subject, result] : claims) {
-        const std::size_t bytes = trade::working_set_bytes(subject.data, trade::cache_sizes());
+        const std::size_t bytes = trade::working_set_bytes(subject.data, trade::read_cache_sizes());
         if (bytes == 0) scene::toml::fail(claim.where, "unknown data \"" + subject.data + "\"; write l1, l2 or memory");
         const std::string_view metric = subject.uses_all_processors ? "speedup_per_processor" : "speed_ratio";
         if (claim.metric != metric)
@@ -128,8 +128,10 @@ std::vector<TestedForm> list_candidates(const Claim& claim, const OtherForms& ot
 ChoiceRequest make_request(const Claim& claim, const OtherForms& others, const Scene& scene,
                            intersect::process::StopToken stop) {
     ChoiceRequest request{.scene = &scene};
-    request.requirement = {.bits = others.requirement.bits, .wrong = others.requirement.wrong};
-    request.requirement.quantile = find_for_claim(claim, [&] { return choose::quantile_named(others.requirement.at); });
+    request.requirement = {.bits = others.requirement.bits,
+                           .max_wrong_fraction = others.requirement.max_wrong_fraction};
+    request.requirement.quantile =
+        find_for_claim(claim, [&] { return choose::parse_quantile(others.requirement.quantile); });
     request.limit.stop = request.plan.stop = stop;
     return request;
 }
@@ -176,7 +178,7 @@ double chosen_as_number(const Claim& claim, const OtherForms& others, const Scen
     ChoiceRequest request = make_request(claim, others, scene, stop);
     request.tested_forms = list_candidates(claim, others, scene);
     choose::TimedRays timed;
-    return cheapest(measure_candidates(request, timed), request.requirement) == std::size_t{0} ? 1 : 0;
+    return find_cheapest(measure_candidates(request, timed), request.requirement) == std::size_t{0} ? 1 : 0;
 }
 
 constexpr std::pair<std::string_view,

@@ -15,7 +15,7 @@ namespace lostbits::measure::choose {
 
 using evaluate::TestedForm;
 
-double quantile_named(const std::string& text) {
+double parse_quantile(const std::string& text) {
     if (text == "max") return 1;
     double percent = 0;
     const char* const end = text.data() + text.size();
@@ -50,13 +50,13 @@ const std::string& ChoiceRequest::id() const { return scene ? scene->id : rays->
 
 FormQuality to_quality(const evaluate::FormSummary& summary, const TestedForm& tested_form,
                        const Requirement& requirement) {
-    return {.rays = summary.rays - summary.count(answer::Outcome::unresolved),
-            .wrong = summary.wrong_count(),
+    return {.ray_count = summary.ray_count - summary.count(answer::Outcome::unresolved),
+            .wrong_count = summary.wrong_count(),
             .main_fault = summary.most_frequent_wrong_decision(),
             .main_fault_count =
                 summary.most_frequent_wrong_decision() ? summary.count(*summary.most_frequent_wrong_decision()) : 0,
             .kept_bits = tested_form.format.parameters.precision - summary.metrics[0].quantile(requirement.quantile),
-            .hits = summary.true_hits,
+            .true_hit_count = summary.true_hit_count,
             .distance_error =
                 requirement.has_tolerance() ? summary.metrics[1].quantile(requirement.quantile) : truth::missing};
 }
@@ -81,7 +81,7 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
     std::vector<Candidate> candidates;
     auto scene_work = request.scene ? trade::SceneWork(*request.scene, request.limit)
                                     : trade::SceneWork(request.rays->sample, request.limit);
-    timed = {scene_work.rays(), scene_work.primitives()};
+    timed = {scene_work.ray_count(), scene_work.primitive_count()};
     std::vector<trade::TimedWork> work;
     for (std::size_t r = 0; r < request.tested_forms.size(); ++r) {
         const TestedForm& tested_form = request.tested_forms[r];
@@ -150,30 +150,31 @@ std::pair<double, double> nearness(const Candidate& candidate, const Requirement
 
 }  // namespace
 
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
+std::optional<std::size_t> find_cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement) {
     return least_of(
         candidates, [&requirement](const Candidate& candidate) { return candidate.quality.meets(requirement); },
         is_faster);
 }
 
-std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates) {
+std::optional<std::size_t> find_fastest(const std::vector<Candidate>& candidates) {
     return least_of(
         candidates, [](const Candidate&) { return true; }, is_faster);
 }
 
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates) {
+std::optional<std::size_t> find_most_accurate(const std::vector<Candidate>& candidates) {
     return least_of(
         candidates, [](const Candidate&) { return true; }, is_more_accurate);
 }
 
-std::optional<std::size_t> nearest_candidate(const std::vector<Candidate>& candidates, const Requirement& requirement) {
+std::optional<std::size_t> find_nearest_candidate(const std::vector<Candidate>& candidates,
+                                                  const Requirement& requirement) {
     const auto nearest_deciding = least_of(
         candidates,
         [&requirement](const Candidate& candidate) { return candidate.quality.decides_as_required(requirement); },
         [&requirement](const Candidate& a, const Candidate& b) {
             return nearness(a, requirement) > nearness(b, requirement);
         });
-    return nearest_deciding ? nearest_deciding : most_accurate(candidates);
+    return nearest_deciding ? nearest_deciding : find_most_accurate(candidates);
 }
 
 }  // namespace lostbits::measure::choose

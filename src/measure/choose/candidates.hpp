@@ -20,7 +20,7 @@ using trade::with_smaller_picture;
 struct Requirement {
     double bits = 0;  ///< least number of correct bits of t
     /// Fraction of the rays whose decision may be wrong: false or missed hits, NaN, another primitive.
-    double wrong = 0;
+    double max_wrong_fraction = 0;
     double quantile = 0.99;  ///< fraction of the hits on which form and truth agree that must keep these bits; 1: all
     double tolerance = std::numeric_limits<double>::infinity();  ///< largest `distance_error` of the same hits
 
@@ -30,23 +30,23 @@ struct Requirement {
 };
 
 /// Converts `p99`, `p99.9` or `max` to a quantile. Throws InputError for any other text.
-double quantile_named(const std::string& text);
+double parse_quantile(const std::string& text);
 
 /// Measurements of a form, as far as a requirement needs them.
 struct FormQuality {
-    std::uint64_t rays = 0;                       ///< rays whose truth is known
-    std::uint64_t wrong = 0;                      ///< number of these rays that are decided wrongly
+    std::uint64_t ray_count = 0;                  ///< rays whose truth is known
+    std::uint64_t wrong_count = 0;                ///< number of these rays that are decided wrongly
     std::optional<answer::Outcome> main_fault{};  ///< most frequent wrong outcome
     std::uint64_t main_fault_count = 0;           ///< number of rays with that outcome
-    double kept_bits = 0;    ///< p − lost bits, at the requirement's quantile of agreed hits; NaN without hits
-    std::uint64_t hits = 0;  ///< rays that truly hit
+    double kept_bits = 0;  ///< p − lost bits, at the requirement's quantile of agreed hits; NaN without hits
+    std::uint64_t true_hit_count = 0;        ///< rays that truly hit
     double distance_error = truth::missing;  ///< `distance_error` at the same quantile; NaN without a tolerance
 
     [[nodiscard]] double wrong_fraction() const {
-        return rays == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(rays);
+        return ray_count == 0 ? 0 : static_cast<double>(wrong_count) / static_cast<double>(ray_count);
     }
     [[nodiscard]] bool decides_as_required(const Requirement& requirement) const {
-        return wrong_fraction() <= requirement.wrong;
+        return wrong_fraction() <= requirement.max_wrong_fraction;
     }
     [[nodiscard]] bool meets(const Requirement& requirement) const {
         return decides_as_required(requirement) && kept_bits >= requirement.bits &&
@@ -111,14 +111,15 @@ std::vector<Candidate> measure_candidates(const ChoiceRequest& request, TimedRay
 /// Returns the indices of all candidates, cheapest first.
 std::vector<std::size_t> order_by_price(const std::vector<Candidate>& candidates);
 
-/// `cheapest` is the fastest candidate that meets the requirement. `fastest` and `most_accurate` (fewest wrong
-/// decisions, then most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
-std::optional<std::size_t> cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement);
-std::optional<std::size_t> fastest(const std::vector<Candidate>& candidates);
-std::optional<std::size_t> most_accurate(const std::vector<Candidate>& candidates);
+/// `find_cheapest` is the fastest candidate that meets the requirement. `find_fastest` and `find_most_accurate` (fewest
+/// wrong decisions, then most bits) consider all. Nothing if the list is empty or nothing meets the requirement.
+std::optional<std::size_t> find_cheapest(const std::vector<Candidate>& candidates, const Requirement& requirement);
+std::optional<std::size_t> find_fastest(const std::vector<Candidate>& candidates);
+std::optional<std::size_t> find_most_accurate(const std::vector<Candidate>& candidates);
 /// The candidate nearest to a requirement that nothing meets. Among those with few enough wrong decisions, it is the
 /// one with the most bits; with a tolerance, the one with the most of the required bits, and then the smallest distance
 /// error. If none has few enough wrong decisions, it is the one with the fewest.
-std::optional<std::size_t> nearest_candidate(const std::vector<Candidate>& candidates, const Requirement& requirement);
+std::optional<std::size_t> find_nearest_candidate(const std::vector<Candidate>& candidates,
+                                                  const Requirement& requirement);
 
 }  // namespace lostbits::measure::choose

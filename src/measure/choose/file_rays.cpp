@@ -84,7 +84,7 @@ FileRays judge_and_sample(scene::ray_file::RayFile& ray_file, const FileOptions&
     FileRays rays{.result_name = options.result_name,
                   .typed_file_names = ray_file.name(),
                   .format = ray_file.format(),
-                  .ray_count = result.rays,
+                  .ray_count = result.ray_count,
                   .rounded_count = result.rounded_count};
     for (std::size_t form_index = 0; form_index < judge_request.tested_forms.size(); ++form_index) {
         const FormQuality quality =

@@ -98,7 +98,7 @@ std::optional<StretchedRays> stretch_offset(IdealRays ideal, const Real& k) {
 
 }  // namespace
 
-IdealRays exact_rays(const scene::rays::RayGroup& group) {
+IdealRays make_ideal_rays(const scene::rays::RayGroup& group) {
     IdealRays ideal;
     ideal.rays.width = group.rays.width;
     ideal.rays.y0 = group.rays.y0;
@@ -115,7 +115,7 @@ IdealRays exact_rays(const scene::rays::RayGroup& group) {
     return ideal;
 }
 
-IdealRays exact_rays(const scene::file::Scene& scene) {
+IdealRays make_ideal_rays(const scene::file::Scene& scene) {
     return {scene::rays::make_own_rays(scene, 0, scene.height), scene.primitives(), false};
 }
 

@@ -34,9 +34,9 @@ struct IdealRays {
 };
 
 /// Returns the rays of a file, whose numbers are taken as exact.
-IdealRays exact_rays(const scene::rays::RayGroup& group);
+IdealRays make_ideal_rays(const scene::rays::RayGroup& group);
 /// Returns the rays of a scene before any format rounds them. The scene must not be a flake.
-IdealRays exact_rays(const scene::file::Scene& scene);
+IdealRays make_ideal_rays(const scene::file::Scene& scene);
 
 /// Rounds every number once to the format.
 scene::rays::RayGroup store_in_format(const IdealRays& ideal, const FloatFormat& format);

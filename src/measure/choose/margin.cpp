@@ -75,11 +75,11 @@ bool matches_ideal_scene(const truth::Band& stored, const truth::Band& ideal) {
         return band.truth(i, {}).is_hit() ? band.rounded_truth(i, binary64, intersect::Direction::any, {}) : HUGE_VAL;
     };
     std::size_t mismatch_count = 0;
-    for (std::size_t i = 0; i < ideal.pixels(); ++i) {
+    for (std::size_t i = 0; i < ideal.pixel_count(); ++i) {
         const double stored_t = t_of(stored, i), ideal_t = t_of(ideal, i);
         mismatch_count += stored_t != ideal_t && !(std::fabs(stored_t - ideal_t) <= 0.1 * ideal_t);
     }
-    return 10 * mismatch_count <= ideal.pixels();
+    return 10 * mismatch_count <= ideal.pixel_count();
 }
 
 /// Result at one factor.
@@ -122,11 +122,11 @@ private:
         is_measured_ = true;
         const FormQuality& quality = measurement->quality;
         const bool meets =
-            quality.meets(requirement_) || (quality.hits == 0 && quality.decides_as_required(requirement_));
-        const MarginEnd end = !measurement->is_ideal_scene ? MarginEnd::other_scene
-                              : !meets                     ? MarginEnd::fails
-                              : quality.hits == 0          ? MarginEnd::nothing_hit
-                                                           : MarginEnd::none;
+            quality.meets(requirement_) || (quality.true_hit_count == 0 && quality.decides_as_required(requirement_));
+        const MarginEnd end = !measurement->is_ideal_scene  ? MarginEnd::other_scene
+                              : !meets                      ? MarginEnd::fails
+                              : quality.true_hit_count == 0 ? MarginEnd::nothing_hit
+                                                            : MarginEnd::none;
         if (end == MarginEnd::none) {
             margin_.holding_factor = factor;
             margin_.value = measurement->value;
@@ -153,7 +153,7 @@ std::optional<Measurement> measure_scene(const ChoiceRequest& request, const eva
     culling::Culler culler(scene);
     const truth::Band band(scene, 0, scene.height, request.limit, &culler);
     const FormQuality quality = measure_quality_on(band, tested_form, request.requirement);
-    request.progress(band.pixels());
+    request.progress(band.pixel_count());
 
     if (scene.inputs == scene::file::InputRounding::own) return Measurement{larger_scene->value, quality, true};
 
@@ -171,7 +171,7 @@ std::optional<Measurement> measure_rays(const ChoiceRequest& request, const eval
     if (!stretched_rays) return std::nullopt;
     const truth::Band band(store_in_format(stretched_rays->rays, request.rays->format.parameters), request.limit);
     const FormQuality quality = measure_quality_on(band, tested_form, request.requirement);
-    request.progress(band.pixels());
+    request.progress(band.pixel_count());
     return Measurement{stretched_rays->value, quality,
                        matches_ideal_scene(band, stretched_rays->rays.band(request.limit))};
 }
@@ -191,7 +191,7 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
             return measure_scene(request, tested_form, small_scene, growth, factor);
         };
     } else {
-        measure_at = [&, rays = exact_rays(request.rays->sample)](Growth growth, double factor) {
+        measure_at = [&, rays = make_ideal_rays(request.rays->sample)](Growth growth, double factor) {
             return measure_rays(request, tested_form, rays, growth, factor);
         };
     }
@@ -203,8 +203,8 @@ std::vector<GrowthMargin> find_margins(const ChoiceRequest& request, const evalu
     return margins;
 }
 
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
-                                        truth::ProofLimit limit, int pixels) {
+std::optional<SafeOffsets> find_safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
+                                             truth::ProofLimit limit, int pixels) {
     constexpr std::size_t max_tests = 1 << 16;
     constexpr std::size_t max_near_triangles = 64;  // each point is tested against at most this many
     const std::size_t face_count = scene.mesh ? scene.mesh->faces.size() : 0,
@@ -226,10 +226,10 @@ std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const e
 
     SafeOffsets safe;
     safe.point_count = summary.points;
-    for (const offset::Side side : offset::both_sides) safe.ray_count += summary.side_summary(side).rays;
-    safe.outside = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape,
-                                           std::array{offset::Side::outside});
-    safe.both_sides = offset::safe_strategies(summary, offset_study.strategies, tested_form.form->shape);
+    for (const offset::Side side : offset::both_sides) safe.ray_count += summary.side_summary(side).ray_count;
+    safe.outside = offset::find_safe_strategies(summary, offset_study.strategies, tested_form.form->shape,
+                                                std::array{offset::Side::outside});
+    safe.both_sides = offset::find_safe_strategies(summary, offset_study.strategies, tested_form.form->shape);
     return safe;
 }
 

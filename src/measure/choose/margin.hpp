@@ -65,7 +65,7 @@ struct SafeOffsets {
 
 /// Finds the strategies on a picture of at most `pixels`, fewer if there are many primitives. Returns nothing if the
 /// scene has too many primitives, or if the form marches or computes no t.
-std::optional<SafeOffsets> safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
-                                        truth::ProofLimit limit = {}, int pixels = 1024);
+std::optional<SafeOffsets> find_safe_offsets(const scene::file::Scene& scene, const evaluate::TestedForm& tested_form,
+                                             truth::ProofLimit limit = {}, int pixels = 1024);
 
 }  // namespace lostbits::measure::choose

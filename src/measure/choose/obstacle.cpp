@@ -27,20 +27,20 @@ FormQuality exact_quality(const Band& ideal, const Band& stored, const TestedFor
     FormQuality quality;
     metric::Distribution lost_bits, distances;
     const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
-    for (std::size_t i = 0; i < ideal.pixels(); ++i) {
+    for (std::size_t i = 0; i < ideal.pixel_count(); ++i) {
         const Truth stored_truth = stored.truth(i, tested_form.convention()),
                     ideal_truth = ideal.truth(i, tested_form.convention());
 
         // Counts only rays whose truth is known for both inputs.
         const auto unresolved = Truth::Decision::unresolved;
         if (stored_truth.decision == unresolved || ideal_truth.decision == unresolved) continue;
-        ++quality.rays;
-        quality.hits += ideal_truth.is_hit() ? 1 : 0;
+        ++quality.ray_count;
+        quality.true_hit_count += ideal_truth.is_hit() ? 1 : 0;
 
         if (stored_truth.decision != ideal_truth.decision ||
             (stored_truth.is_hit() &&
              !answer::meets_first(ideal, i, stored_truth.primitive, tested_form.convention()))) {
-            ++quality.wrong;
+            ++quality.wrong_count;
         } else if (stored_truth.is_hit()) {
             const auto& [x, y] = is_unit ? std::pair(stored_truth.distance, ideal_truth.distance)
                                          : std::pair(stored_truth.t, ideal_truth.t);
@@ -64,7 +64,7 @@ InherentLimit inherent(const Band& band, const TestedForm& tested_form, const Fo
                        const Requirement& requirement) {
     const intersect::Direction direction = tested_form.form->info->direction;
     metric::Distribution lost_bits, distances;
-    for (std::size_t i = 0; i < band.pixels(); ++i) {
+    for (std::size_t i = 0; i < band.pixel_count(); ++i) {
         const Truth ray_truth = band.truth(i, tested_form.convention());
         if (!ray_truth.is_hit()) continue;
         const double reach = band.reach(i, tested_form.convention(), direction, {.format = format});
@@ -169,7 +169,7 @@ private:
 Obstacle::Cause cause_of(const Obstacle& obstacle, const TestedForm& tested_form, const Requirement& requirement,
                          const FormQuality& reached) {
     using Cause = Obstacle::Cause;
-    if (reached.hits == 0) return Cause::no_hit;
+    if (reached.true_hit_count == 0) return Cause::no_hit;
     if (requirement.bits > tested_form.format.parameters.precision) return Cause::width;
     if (!obstacle.exact.meets(requirement)) return Cause::inputs;
     // Within what half an ulp in each input can cost, the problem is hard; beyond it, the formula is bad.
@@ -192,7 +192,7 @@ void take_smaller_picture(const ChoiceRequest& request, int pixels, TrialRays& r
         static_cast<int>(std::clamp<std::size_t>(max_trial_pairs / primitive_count, 64, 65536));
     rays.scene = with_smaller_picture(*request.scene, std::min(pixels, affordable_pixels));
     rays.band.emplace(*rays.scene, 0, rays.scene->height, request.limit);
-    if (primitive_count <= max_primitives && !request.scene->flake) rays.ideal = exact_rays(*rays.scene);
+    if (primitive_count <= max_primitives && !request.scene->flake) rays.ideal = make_ideal_rays(*rays.scene);
 }
 
 void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& rays) {
@@ -202,7 +202,7 @@ void take_sample_of_files(const ChoiceRequest& request, int pixels, TrialRays& r
     const auto smaller_sample =
         sample_rays(sample, std::min<std::size_t>(static_cast<std::size_t>(pixels), affordable_rays));
     rays.band.emplace(smaller_sample, request.limit);
-    rays.ideal = exact_rays(smaller_sample);
+    rays.ideal = make_ideal_rays(smaller_sample);
 }
 
 }  // namespace
@@ -225,7 +225,8 @@ Obstacle find_obstacle(const ChoiceRequest& request, const TestedForm& tested_fo
     // Tries wider inputs with exact arithmetic.
     obstacle.base_format = obstacle.rounds_to_binary32_first ? binary32 : tested_form.format.parameters;
     obstacle.wide_inputs_are_exact = obstacle.base_format == binary64;
-    if (!rays.ideal.primitives.empty() && reached.hits > 0) Trials(request, tested_form, rays.ideal, obstacle).run();
+    if (!rays.ideal.primitives.empty() && reached.true_hit_count > 0)
+        Trials(request, tested_form, rays.ideal, obstacle).run();
 
     // If every format gets the same stored inputs, those inputs are compared with themselves. Otherwise the first
     // trial, in which no input is wide, has the inputs that the row gets.

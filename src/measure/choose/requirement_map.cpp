@@ -10,7 +10,7 @@ namespace lostbits::measure::choose {
 using answer::Outcome;
 using evaluate::TestedForm;
 
-void MetPixels::add_band(const evaluate::BandResult& result) {
+void PassingPixels::add_band(const evaluate::BandResult& result) {
     const std::size_t first = static_cast<std::size_t>(result.y0) * static_cast<std::size_t>(result.width);
     const std::vector<double>& lost_bits = result.metrics.front();
     // A form that answers no t has no lost bits; NaN counts as no bits kept.
@@ -25,28 +25,28 @@ void MetPixels::add_band(const evaluate::BandResult& result) {
     }
 }
 
-std::uint64_t MetPixels::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
+std::uint64_t PassingPixels::count() const { return static_cast<std::uint64_t>(std::ranges::count(meets_, true)); }
 
-MetPixelsByForm::MetPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& forms) {
+PassingPixelsByForm::PassingPixelsByForm(const ChoiceRequest& request, const std::vector<TestedForm>& forms) {
     for (const TestedForm& tested_form : forms)
-        rows.emplace_back(request.scene->pixels(), request.requirement, tested_form.format.parameters.precision);
+        rows.emplace_back(request.scene->pixel_count(), request.requirement, tested_form.format.parameters.precision);
 }
 
 namespace {
 
 /// A row with its index, in the order in which rows are tried.
 struct RankedForm {
-    const MetPixels* met_pixels;
+    const PassingPixels* passing_pixels;
     int index;  ///< index of the candidate or of the format
 };
 
 /// Index of the first form that meets the requirement at the pixel.
 int first_at(const std::vector<RankedForm>& ranked, std::size_t pixel) {
     for (const RankedForm& form : ranked) {
-        if (form.met_pixels->meets(pixel)) return form.index;
+        if (form.passing_pixels->meets(pixel)) return form.index;
     }
-    const bool unknown =
-        std::ranges::any_of(ranked, [pixel](const RankedForm& form) { return form.met_pixels->is_unresolved(pixel); });
+    const bool unknown = std::ranges::any_of(
+        ranked, [pixel](const RankedForm& form) { return form.passing_pixels->is_unresolved(pixel); });
     return unknown ? RequirementMap::unresolved : RequirementMap::none;
 }
 
@@ -75,27 +75,27 @@ std::vector<std::uint64_t> counts_of(const std::vector<int>& indices, std::size_
 
 /// Fills in the members about formats; `meets` belongs to `rows`.
 void find_narrowest(RequirementMap& map, const std::vector<TestedForm>& tested_forms,
-                    const std::vector<const MetPixels*>& met_pixels) {
+                    const std::vector<const PassingPixels*>& passing_pixels) {
     map.formats = formats_of(tested_forms);
     std::vector<std::vector<RankedForm>> forms_by_format(map.formats.size());
     for (std::size_t k = 0; k < tested_forms.size(); ++k) {
         const auto index = std::ranges::find(map.formats, computing_format(tested_forms[k])) - map.formats.begin();
-        forms_by_format[index].push_back({met_pixels[k], static_cast<int>(index)});
+        forms_by_format[index].push_back({passing_pixels[k], static_cast<int>(index)});
     }
 
     // At each pixel, the first format in which any form meets the requirement is the narrowest.
-    map.pixels_any_form_meets.assign(map.formats.size(), 0);
-    for (std::size_t i = 0; i < map.pixels(); ++i) {
+    map.met_by_any_form_pixel_counts.assign(map.formats.size(), 0);
+    for (std::size_t i = 0; i < map.pixel_count(); ++i) {
         int narrowest = RequirementMap::none;
         for (std::size_t f = 0; f < forms_by_format.size(); ++f) {
             const int first = first_at(forms_by_format[f], i);
-            if (first >= 0) ++map.pixels_any_form_meets[f];
+            if (first >= 0) ++map.met_by_any_form_pixel_counts[f];
             if (narrowest < 0 && first != RequirementMap::none) narrowest = first;
         }
         map.narrowest.push_back(narrowest);
     }
 
-    map.pixels_narrowest = counts_of(map.narrowest, map.formats.size());
+    map.narrowest_pixel_counts = counts_of(map.narrowest, map.formats.size());
 }
 
 }  // namespace
@@ -104,23 +104,24 @@ double RequirementMap::min_time(const std::vector<Candidate>& candidates) const 
     double sum = 0;
     std::uint64_t count = 0;
     for (std::size_t c = 0; c < candidates.size(); ++c) {
-        sum += static_cast<double>(pixels_cheapest[c]) * candidates[c].time.median;
-        count += pixels_cheapest[c];
+        sum += static_cast<double>(cheapest_pixel_counts[c]) * candidates[c].time.median;
+        count += cheapest_pixel_counts[c];
     }
     return count == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(count);
 }
 
 RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vector<Candidate>& candidates,
-                                    const MetPixelsByForm& met_pixels) {
+                                    const PassingPixelsByForm& passing_pixels) {
     RequirementMap map{.width = request.scene->width, .height = request.scene->height};
 
     std::vector<RankedForm> ranked;
-    for (const std::size_t c : order_by_price(candidates)) ranked.push_back({&met_pixels.rows[c], static_cast<int>(c)});
-    for (std::size_t i = 0; i < request.scene->pixels(); ++i) map.cheapest.push_back(first_at(ranked, i));
-    map.pixels_cheapest = counts_of(map.cheapest, candidates.size());
-    for (const MetPixels& row : met_pixels.rows) map.pixels_met.push_back(row.count());
+    for (const std::size_t c : order_by_price(candidates))
+        ranked.push_back({&passing_pixels.rows[c], static_cast<int>(c)});
+    for (std::size_t i = 0; i < request.scene->pixel_count(); ++i) map.cheapest.push_back(first_at(ranked, i));
+    map.cheapest_pixel_counts = counts_of(map.cheapest, candidates.size());
+    for (const PassingPixels& row : passing_pixels.rows) map.met_pixel_counts.push_back(row.count());
 
-    MetPixelsByForm emulated(request, request.untimed_forms);
+    PassingPixelsByForm emulated(request, request.untimed_forms);
     if (!request.untimed_forms.empty()) {
         evaluate::MapStudy study{
             .scene = request.scene, .tested_forms = request.untimed_forms, .metrics = request.requirement.metrics()};
@@ -132,13 +133,13 @@ RequirementMap make_requirement_map(const ChoiceRequest& request, const std::vec
     // Any of the forms counts for the narrowest format, timed or not.
     std::vector<TestedForm> tested_forms = request.tested_forms;
     tested_forms.insert(tested_forms.end(), request.untimed_forms.begin(), request.untimed_forms.end());
-    std::vector<const MetPixels*> all_met_pixels;
-    for (const MetPixels& row : met_pixels.rows) all_met_pixels.push_back(&row);
-    for (const MetPixels& row : emulated.rows) all_met_pixels.push_back(&row);
+    std::vector<const PassingPixels*> all_met_pixels;
+    for (const PassingPixels& row : passing_pixels.rows) all_met_pixels.push_back(&row);
+    for (const PassingPixels& row : emulated.rows) all_met_pixels.push_back(&row);
     find_narrowest(map, tested_forms, all_met_pixels);
 
-    map.pixels_none_meets = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
-    map.pixels_unknown = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
+    map.unmet_pixel_count = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::none));
+    map.unknown_pixel_count = static_cast<std::uint64_t>(std::ranges::count(map.narrowest, RequirementMap::unresolved));
     return map;
 }
 

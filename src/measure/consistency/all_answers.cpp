@@ -31,7 +31,7 @@ CheckResult compare_answers(const intersect::Info& info, const AllAnswers& a, co
 }  // namespace
 
 AllAnswers evaluate_all(const FormKernels& kernels, const RayBlock& rays, std::span<const Primitive<double>> primitives,
-                        Calls calls) {
+                        CallGrouping grouping) {
     AllAnswers answers;
     const std::size_t n = rays.size();
     intersect::simd::with_kernel(kernels.form, kernels.native, kernels.format, [&]<class S>(const auto& kernel) {
@@ -43,7 +43,7 @@ AllAnswers evaluate_all(const FormKernels& kernels, const RayBlock& rays, std::s
 
         // A call takes primitives of one shape.
         const auto batch_end = [&](std::size_t begin) {
-            if (calls == Calls::one_by_one) return begin + 1;
+            if (grouping == CallGrouping::one_by_one) return begin + 1;
             if (targets.size() == 1) return n;
             const auto has_other_shape = [&](const Primitive<S>& primitive) {
                 return primitive.shape != targets[begin].shape;
@@ -69,8 +69,8 @@ AllAnswers evaluate_all(const FormKernels& kernels, const RayBlock& rays, std::s
 
 bool returns_t(const intersect::Info& info) { return info.roots != intersect::Roots::none; }
 
-std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const RayBlock& rays,
-                                           const Primitive<double>& primitive) {
+std::vector<std::uint8_t> find_hits_before_tmax(const FormKernels& kernels, const RayBlock& rays,
+                                                const Primitive<double>& primitive) {
     std::vector<std::uint8_t> meets;
     const bool form_checks_tmax = takes_tmax(primitive.shape);
     const bool has_both_roots = kernels.form.form_for(primitive.shape).info->roots == intersect::Roots::both;
@@ -83,11 +83,11 @@ std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const Ray
     return meets;
 }
 
-std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const RayBlock& all_rays) {
+std::vector<std::uint8_t> find_hits_before_tmax(const FormOnBand& band_form, const RayBlock& all_rays) {
     std::vector<std::uint8_t> meets(all_rays.size());
     band_form.for_each_primitive(
         all_rays, [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {
-            const std::vector<std::uint8_t> primitive_meets = hits_before_tmax(band_form.kernels, rays, primitive);
+            const std::vector<std::uint8_t> primitive_meets = find_hits_before_tmax(band_form.kernels, rays, primitive);
             for (std::size_t k = 0; k < ray_indices.size(); ++k) meets[ray_indices[k]] |= primitive_meets[k];
         });
     return meets;
@@ -107,7 +107,7 @@ void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
     band_form.for_each_primitive(
         band_form.rays(), [&](const Primitive<double>& primitive, const RayBlock& rays, const auto& ray_indices) {
             const std::span<const Primitive<double>> target(&primitive, 1);
-            const AllAnswers single_answers = evaluate_all(band_form.kernels, rays, target, Calls::one_by_one);
+            const AllAnswers single_answers = evaluate_all(band_form.kernels, rays, target, CallGrouping::one_by_one);
             for (const FormKernels& width_kernels : kernels_by_width) {
                 const AllAnswers batch_answers = evaluate_all(width_kernels, rays, target);
                 for (std::size_t k = 0; k < ray_indices.size(); ++k) {
@@ -115,7 +115,7 @@ void check_packs(const FormOnBand& band_form, PixelCheckResults& out) {
                     if (is_disagreement(out.results[i])) continue;
                     const Ray<double> ray = band_form.inputs.rays[i];
                     out.set(i, compare_answers(info, single_answers, batch_answers, k), [&] {
-                        return TwoRays{i, band_form.group_to_explain(ray, HUGE_VAL),
+                        return RayPair{i, band_form.group_to_explain(ray, HUGE_VAL),
                                        band_form.group_to_explain(ray, HUGE_VAL)};
                     });
                 }

@@ -32,7 +32,7 @@ FormOnBand::FormOnBand(const Scene& tested_scene, const evaluate::TestedForm& fo
       tree_(find_tree(tested_band, tested_form.format.parameters, inputs.primitives)) {}
 
 scene::rays::RayGroup FormOnBand::group_to_explain(const Ray<double>& ray, double tmax) const {
-    scene::rays::RayGroup group = scene::rays::group_of(ray);
+    scene::rays::RayGroup group = scene::rays::make_group(ray);
     const bool has_few = inputs.primitives.size() <= truth::Band::max_original_primitives;
     std::vector<Primitive<double>> primitives;
     if (has_few || inputs.primitives.mesh() == nullptr) primitives = inputs.primitives.all();

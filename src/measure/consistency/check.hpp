@@ -48,7 +48,7 @@ inline constexpr bool is_disagreement(CheckResult a) {
 
 /// Rays of both questions at a pixel, for `lostbits explain`. The directions are not yet normalised for a form that
 /// assumes unit length.
-struct TwoRays {
+struct RayPair {
     std::size_t pixel = 0;  ///< index in the band
     scene::rays::RayGroup first, second;
 };
@@ -61,7 +61,7 @@ struct PixelCheckResults {
     /// For checks that compare numbers: `apart` is the difference of the two answers in ulps, and `excess` is that
     /// difference minus the difference of the exact numbers. NaN if nothing is compared; empty for other checks.
     std::vector<double> apart, excess;
-    std::optional<TwoRays> first_disagreement;
+    std::optional<RayPair> first_disagreement;
 
     /// Sets the result of a pixel. `make_rays()` returns the rays of both questions; it is called only for the first
     /// disagreement.
@@ -90,8 +90,8 @@ struct AllAnswers {
     [[nodiscard]] std::size_t size() const { return hit.size(); }
 };
 
-/// Calls of a kernel: one with all rays, or one for each ray.
-enum class Calls : std::uint8_t { together, one_by_one };
+/// Grouping of rays into calls of a kernel: one call with all rays, or one for each ray.
+enum class CallGrouping : std::uint8_t { together, one_by_one };
 
 /// A form in a format, and the kernels in `native` that evaluate it.
 struct FormKernels {
@@ -112,7 +112,7 @@ struct FormKernels {
 /// Evaluates the form on rays whose numbers and ends are in the format. A single primitive is tested with all rays.
 /// With as many primitives as rays, ray i is tested against primitive i, by the kernels for single rays.
 AllAnswers evaluate_all(const FormKernels& kernels, const scene::rays::RayBlock& rays,
-                        std::span<const Primitive<double>> primitives, Calls calls = Calls::together);
+                        std::span<const Primitive<double>> primitives, CallGrouping grouping = CallGrouping::together);
 
 /// True if the form reports t, so that an end can be compared with it.
 bool returns_t(const intersect::Info& info);
@@ -131,7 +131,7 @@ struct FormOnBand {
 
     /// Returns the rays of the pixels, with unit directions if the form assumes them.
     [[nodiscard]] const scene::rays::RayBlock& rays() const { return inputs.rays_for(*tested_form.form->info); }
-    [[nodiscard]] std::size_t pixels() const { return closest_hits.hit.size(); }
+    [[nodiscard]] std::size_t pixel_count() const { return closest_hits.hit.size(); }
     [[nodiscard]] const FloatFormat& format() const { return tested_form.format.parameters; }
     [[nodiscard]] bool takes_unit_directions() const {
         return tested_form.form->info->direction == intersect::Direction::unit;
@@ -190,9 +190,9 @@ private:
 /// (boxes) decide by themselves. For other forms, a primitive counts if it is hit and its t, or its far side if the
 /// form answers that, lies in 0 < t < tmax. A near side that differs from t does not count, because the form itself has
 /// rejected it.
-std::vector<std::uint8_t> hits_before_tmax(const FormKernels& kernels, const scene::rays::RayBlock& rays,
-                                           const Primitive<double>& primitive);
-std::vector<std::uint8_t> hits_before_tmax(const FormOnBand& band_form, const scene::rays::RayBlock& rays);
+std::vector<std::uint8_t> find_hits_before_tmax(const FormKernels& kernels, const scene::rays::RayBlock& rays,
+                                                const Primitive<double>& primitive);
+std::vector<std::uint8_t> find_hits_before_tmax(const FormOnBand& band_form, const scene::rays::RayBlock& rays);
 
 struct Check {
     std::string_view name;            ///< `reverse`

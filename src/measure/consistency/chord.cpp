@@ -144,7 +144,7 @@ CheckResult check_result_of_numbers(const FormOnBand& band_form, const ReversedR
                                     double& apart, double& excess) {
     const double segment_length = band_form.takes_unit_directions() ? length(rays.forth.direction) : 1;
     const double ulp = std::ldexp(1.0, static_cast<int>(ulp_exponent(band_form.format(), std::ilogb(segment_length))));
-    const auto error = chord_error(rays, answer, band_form.takes_unit_directions(), ulp);
+    const auto error = compute_chord_error(rays, answer, band_form.takes_unit_directions(), ulp);
     if (!error) return CheckResult::unresolved;
     apart = error->apart;
     excess = error->excess;
@@ -166,7 +166,7 @@ struct BandSegments {
 
 BandSegments collect_segments(const FormOnBand& band_form) {
     BandSegments found;
-    for (std::size_t i = 0; i < band_form.pixels(); ++i) {
+    for (std::size_t i = 0; i < band_form.pixel_count(); ++i) {
         const auto segment = make_segment(band_form, i);
         if (!segment) continue;
         found.pixels.push_back(i);
@@ -196,8 +196,8 @@ CheckResult compare_chords(const FormOnBand& band_form, const ReversedRays& segm
 
 }  // namespace
 
-std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
-                                      double ulp) {
+std::optional<ChordError> compute_chord_error(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
+                                              double ulp) {
     for (const double t : {answer.near, answer.far, answer.near_back, answer.far_back}) {
         if (!std::isfinite(t)) return ChordError{HUGE_VAL, HUGE_VAL};
     }
@@ -206,8 +206,8 @@ std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswe
 }
 
 void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {
-    out.apart.assign(band_form.pixels(), truth::missing);
-    out.excess.assign(band_form.pixels(), truth::missing);
+    out.apart.assign(band_form.pixel_count(), truth::missing);
+    out.excess.assign(band_form.pixel_count(), truth::missing);
     const BandSegments found = collect_segments(band_form);
     if (found.pixels.empty()) return;
     const SegmentsFromEnd forth(band_form, found.from_p_rays, found.primitives);
@@ -218,7 +218,7 @@ void check_reverse(const FormOnBand& band_form, PixelCheckResults& out) {
         const ReversedRays& segment = found.segments[k];
         const CheckResult result = compare_chords(band_form, segment, k, forth, back, out.apart[i], out.excess[i]);
         out.set(i, result, [&] {
-            TwoRays two_rays{i, scene::rays::group_of(segment.forth), scene::rays::group_of(segment.back)};
+            RayPair two_rays{i, scene::rays::make_group(segment.forth), scene::rays::make_group(segment.back)};
             two_rays.first.primitives = two_rays.second.primitives = {segment.primitive};
             return two_rays;
         });

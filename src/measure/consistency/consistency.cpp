@@ -25,9 +25,9 @@ std::uint64_t CheckSummary::question_count() const {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0}) - count_of(CheckResult::not_asked);
 }
 
-std::vector<const Check*> checks_for(const scene::file::Scene& scene,
-                                     const std::vector<evaluate::TestedForm>& tested_forms,
-                                     std::vector<const Check*> candidates) {
+std::vector<const Check*> select_checks(const scene::file::Scene& scene,
+                                        const std::vector<evaluate::TestedForm>& tested_forms,
+                                        std::vector<const Check*> candidates) {
     std::erase_if(candidates, [&](const Check* check) {
         return std::ranges::none_of(tested_forms, [&](const evaluate::TestedForm& tested_form) {
             return check->applies(scene, *tested_form.form);
@@ -44,7 +44,7 @@ ConsistencyBand ConsistencyStudy::measure(const truth::Band& band, std::size_t f
     const FormOnBand band_form(scene, tested_forms[form_index], band);
     ConsistencyBand result_band{.y0 = band.y0(), .scanlines = band.scanlines(), .width = scene.width, .checks = {}};
     for (std::size_t c = 0; c < checks.size(); ++c) {
-        PixelCheckResults& pixel_results = result_band.checks.emplace_back(band_form.pixels());
+        PixelCheckResults& pixel_results = result_band.checks.emplace_back(band_form.pixel_count());
         if (checks[c]->applies(scene, *tested_forms[form_index].form)) checks[c]->measure(band_form, pixel_results);
         add_check(pixel_results, result_band, summary[c]);
     }

@@ -16,7 +16,7 @@ namespace lostbits::measure::consistency {
 /// First disagreement of a check: the pixel of the picture and the rays of both questions.
 struct FirstDisagreement {
     int x = 0, y = 0;
-    TwoRays rays;
+    RayPair rays;
 };
 
 /// Results of one check over all pixels of a row.
@@ -35,7 +35,7 @@ struct CheckSummary {
     }
 };
 
-LOSTBITS_FIELDS(TwoRays, pixel, first, second)
+LOSTBITS_FIELDS(RayPair, pixel, first, second)
 LOSTBITS_FIELDS(FirstDisagreement, x, y, rays)
 LOSTBITS_FIELDS(CheckSummary, counts, apart, excess, first_disagreement)
 
@@ -69,9 +69,9 @@ struct ConsistencyStudy {
 };
 
 /// Returns those of the candidates that apply to at least one of the forms on a scene.
-std::vector<const Check*> checks_for(const scene::file::Scene& scene,
-                                     const std::vector<evaluate::TestedForm>& tested_forms,
-                                     std::vector<const Check*> candidates = all_checks());
+std::vector<const Check*> select_checks(const scene::file::Scene& scene,
+                                        const std::vector<evaluate::TestedForm>& tested_forms,
+                                        std::vector<const Check*> candidates = all_checks());
 
 /// True if the form intersects a primitive. Forms that march a distance field are not compared.
 bool can_be_compared(const intersect::table::Intersector& form);

@@ -126,15 +126,15 @@ struct BandAmongPrimitives {
 /// Returns all primitives, or the triangles of a large mesh that a ray of the band may meet.
 std::vector<Primitive<double>> primitives_of(const FormOnBand& band_form) {
     std::vector<Ray<double>> rays;
-    for (std::size_t i = 0; i < band_form.pixels(); ++i) rays.push_back(band_form.inputs.rays[i]);
+    for (std::size_t i = 0; i < band_form.pixel_count(); ++i) rays.push_back(band_form.inputs.rays[i]);
     return band_form.candidates(rays).primitives;
 }
 
 }  // namespace
 
 void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
-    out.apart.assign(band_form.pixels(), truth::missing);
-    out.excess.assign(band_form.pixels(), truth::missing);
+    out.apart.assign(band_form.pixel_count(), truth::missing);
+    out.excess.assign(band_form.pixel_count(), truth::missing);
     const std::vector<Primitive<double>> primitives = primitives_of(band_form),
                                          converted = convert_primitives(band_form, primitives);
 
@@ -148,7 +148,7 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
         answer::evaluate(form, converted_truth.inputs_for(band_form.tested_form.format, *form.info));
     const answer::Answers &a = band_form.closest_hits, &b = converted_answers;
 
-    for (std::size_t i = 0; i < band_form.pixels(); ++i) {
+    for (std::size_t i = 0; i < band_form.pixel_count(); ++i) {
         const Truth p = given_truth.truth(i, band_form.tested_form.convention()),
                     q = converted_truth.truth(i, band_form.tested_form.convention());
 
@@ -170,8 +170,8 @@ void check_placed(const FormOnBand& band_form, PixelCheckResults& out) {
         }
 
         out.set(i, result, [&] {
-            TwoRays two_rays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
-                             scene::rays::group_of(band_form.inputs.rays[i])};
+            RayPair two_rays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
+                             scene::rays::make_group(band_form.inputs.rays[i])};
             if (converted.size() <= truth::Band::max_original_primitives) two_rays.second.primitives = converted;
             return two_rays;
         });

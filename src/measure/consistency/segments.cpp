@@ -46,7 +46,7 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
 
 /// Returns the point seen at a pixel: o + t*·d of its ray, each coordinate rounded to the format. Returns nothing if
 /// the ray truly misses.
-std::optional<Vec<double>> seen_point(const FormOnBand& band_form, std::size_t i) {
+std::optional<Vec<double>> find_seen_point(const FormOnBand& band_form, std::size_t i) {
     const Truth ray_truth = band_form.band.truth(i, band_form.tested_form.convention());
     if (!ray_truth.is_hit()) return std::nullopt;
     const double t = std::ldexp(ray_truth.t.hi, static_cast<int>(ray_truth.t.exponent));
@@ -84,8 +84,8 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, Segm
     std::vector<std::size_t> pixels;
     std::vector<SegmentRays> segments;
     RayBlock first, second;
-    for (std::size_t i = 0; i < band_form.pixels(); ++i) {
-        const auto q = seen_point(band_form, i);
+    for (std::size_t i = 0; i < band_form.pixel_count(); ++i) {
+        const auto q = find_seen_point(band_form, i);
         if (!q) continue;
         const SegmentRays s = write_segment(start_of(i), *q, band_form.tested_form.format, end);
         if (!are_proper(s)) continue;
@@ -97,11 +97,12 @@ void compare_segments(const FormOnBand& band_form, const StartOf& start_of, Segm
         second.tmax.push_back(s.unit_end);
     }
 
-    const auto first_meets = hits_before_tmax(band_form, first), second_meets = hits_before_tmax(band_form, second);
+    const auto first_meets = find_hits_before_tmax(band_form, first),
+               second_meets = find_hits_before_tmax(band_form, second);
     for (std::size_t k = 0; k < pixels.size(); ++k) {
         const SegmentRays& s = segments[k];
         out.set(pixels[k], check_result_of_segment(band_form, s, first_meets[k] != 0, second_meets[k] != 0), [&] {
-            return TwoRays{0, band_form.group_to_explain(s.by_difference, s.difference_end),
+            return RayPair{0, band_form.group_to_explain(s.by_difference, s.difference_end),
                            band_form.group_to_explain(s.by_unit, s.unit_end)};
         });
     }
@@ -117,14 +118,14 @@ void compare_with_shadow_tests(const FormOnBand& band_form, const EndOf& end_of,
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (band_form.closest_hits.hit[i] != 0) rays.tmax[i] = end_of(band_form.closest_hits.t[i]);
     }
-    const auto meets = hits_before_tmax(band_form, rays);
+    const auto meets = find_hits_before_tmax(band_form, rays);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (band_form.closest_hits.hit[i] == 0 || std::isnan(rays.tmax[i])) continue;
         const CheckResult result = (meets[i] != 0) == expected ? CheckResult::agree
                                    : expected                  ? CheckResult::first_alone
                                                                : CheckResult::second_alone;
         out.set(i, result, [&] {
-            return TwoRays{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
+            return RayPair{i, band_form.group_to_explain(band_form.inputs.rays[i], HUGE_VAL),
                            band_form.group_to_explain(band_form.inputs.rays[i], rays.tmax[i])};
         });
     }
@@ -171,7 +172,7 @@ void check_short(const FormOnBand& band_form, PixelCheckResults& out) {
 }
 
 void check_light(const FormOnBand& band_form, PixelCheckResults& out) {
-    const Vec<double> light = render::input_appearance(band_form.scene, band_form.format()).light;
+    const Vec<double> light = render::make_input_appearance(band_form.scene, band_form.format()).light;
     compare_segments(
         band_form, [&](std::size_t) { return light; }, SegmentEnd::shortened, out);
 }

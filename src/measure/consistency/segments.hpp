@@ -55,7 +55,7 @@ struct ChordError {
 /// Computes the chord error. `are_distances` is true if the answers are distances, not parameters. A near side behind p
 /// (or q) is not used, because not every form answers it. Both rays must truly meet the primitive. Returns nothing if
 /// no precision is enough.
-std::optional<ChordError> chord_error(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
-                                      double ulp);
+std::optional<ChordError> compute_chord_error(const ReversedRays& rays, const ChordAnswer& answer, bool are_distances,
+                                              double ulp);
 
 }  // namespace lostbits::measure::consistency

@@ -54,7 +54,7 @@ constexpr LengthMisuse length_misuses[]{
 /// Rays whose answers distinguish mistakes about a length: the plainest ray and some rays beside it, at two lengths.
 /// One length is not enough, since 2 doubled is 2 squared. A length of a flat shape only decides how far from the
 /// middle the shape is hit.
-std::vector<Question> questions_about_length(Shape shape, std::size_t index) {
+std::vector<Question> make_questions_about_length(Shape shape, std::size_t index) {
     std::vector<Question> questions{plainest_question(shape), plainest_question(shape, 8)};
     questions[1].ray.origin.x = 0.5;
     questions[1].ray.origin.y = 0.25;
@@ -84,7 +84,7 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
     if (!length) return std::nullopt;
 
     std::vector<std::pair<Question, Reply>> answered;
-    for (const Question& question : questions_about_length(trial.shape, length->number_index))
+    for (const Question& question : make_questions_about_length(trial.shape, length->number_index))
         answered.emplace_back(question, trial.ask(question));
 
     // A mistake explains an answer that is right for a primitive with the changed length.
@@ -94,7 +94,7 @@ std::optional<LengthMistake> find_length_mistake(const Trial& trial) {
             q.primitive[length->number_index] = mistake.change(q.primitive[length->number_index]);
             const auto ends = ends_of(q, trial.shape);
             if (!ends) return r.hit == 0;
-            return r.hit == 1 && (!trial.tells_t || is_answer(r.near, ends->near));
+            return r.hit == 1 && (!trial.reports_t || is_answer(r.near, ends->near));
         });
     };
     const auto found = std::ranges::find_if(length_misuses, explains);
@@ -148,9 +148,9 @@ void try_direction(Trial& trial) {
     // A direction twice as long must hit too, at half the t.
     if (doubled_reply.hit != 1)
         return trial.report_broken("a direction twice as long misses; it should hit" +
-                                   std::string(trial.tells_t ? " at half the t" : "") +
+                                   std::string(trial.reports_t ? " at half the t" : "") +
                                    ". The formula may assume length 1; if so, " + say_unit);
-    if (!trial.tells_t) return trial.report_kept("takes directions of any length: one twice as long hits too");
+    if (!trial.reports_t) return trial.report_kept("takes directions of any length: one twice as long hits too");
     if (is_answer(doubled_reply.near, reply.near / 2))
         return trial.report_kept("takes directions of any length: one twice as long gets half the t");
 
@@ -209,9 +209,9 @@ void try_behind(Trial& trial) {
 
     const std::string hit = "a primitive behind the ray is hit";
     trial.check(reply.hit == 0, "a primitive behind the ray is missed",
-                !trial.tells_t ? hit +
-                                     "; answer a miss there: only a form that answers t may answer for the whole "
-                                     "line"
+                !trial.reports_t ? hit +
+                                       "; answer a miss there: only a form that answers t may answer for the whole "
+                                       "line"
                 : trial.contract.roots == Roots::both
                     ? hit + " (t = " + text_of(reply.near) +
                           "); say LB_LINE (whole_line, flags=line) if it answers for the whole line"
@@ -224,7 +224,7 @@ void try_passing_ray(Trial& trial) {
     q.ray = {{0, 0, -10}, {0.6, 0, 0.8}};  // through the planes of a box, beside it
     if (ends_of(q, trial.shape)) return trial.report_note("no ray passes by " + with_article(trial.shape));
     const Reply reply = trial.ask(q);
-    const bool is_nan = trial.tells_t && reply.hit == 1 && std::isnan(reply.near);
+    const bool is_nan = trial.reports_t && reply.hit == 1 && std::isnan(reply.near);
     trial.check(reply.hit == 0, "a ray that passes by misses",
                 is_nan
                     ? "a ray that passes by hits with a t that is not a number; set hit to 0 there (`return miss`; for "
@@ -244,8 +244,8 @@ void try_end(Trial& trial) {
         return;
     }
     if (trial.has_flag(LB_NO_END))
-        return trial.report_kept(trial.tells_t ? "the table checks the ends of rays, not the form"
-                                               : "the rays that it gets have no ends");
+        return trial.report_kept(trial.reports_t ? "the table checks the ends of rays, not the form"
+                                                 : "the rays that it gets have no ends");
     trial.check(!is_hit, ray_text + " misses",
                 ray_text +
                     " hits; say LB_NO_END (ignores_end, flags=no_end) if it ignores the ends of rays (for a shader: "
@@ -259,10 +259,10 @@ void check_range(Trial& trial, double start, double end, const std::string& rang
     q.end = end;
     const HitOrMiss right = trial.truth(q);
     const Reply r = trial.ask(q);
-    const std::string right_text = !right.hit ? "miss" : trial.tells_t ? "answer " + text_of(right.t) : "hit";
-    const std::string reply_text = r.hit != 1                   ? "misses"
-                                   : trial.tells_t && right.hit ? "answers " + text_of(r.near)
-                                                                : "hits";
+    const std::string right_text = !right.hit ? "miss" : trial.reports_t ? "answer " + text_of(right.t) : "hit";
+    const std::string reply_text = r.hit != 1                     ? "misses"
+                                   : trial.reports_t && right.hit ? "answers " + text_of(r.near)
+                                                                  : "hits";
     trial.check(trial.is_right(q, r, trial.contract), range_text + reply_text,
                 range_text + reply_text + "; it should " + right_text + ": " + why);
 }
@@ -300,7 +300,7 @@ void try_unusual_question(Trial& trial, const char* name, const std::string& des
             return trial.report_note(description + ": refused: " + refused.what());
         }
         std::string reply_text = r.hit == 1 ? "hit" : r.hit == 0 ? "miss" : "nothing";
-        if (r.hit == 1 && trial.tells_t) reply_text += " at t = " + text_of(r.near);
+        if (r.hit == 1 && trial.reports_t) reply_text += " at t = " + text_of(r.near);
         if (r.hit > 1) trial.report_broken(description + ": `hit` is not written");
         else trial.report_note(description + ": " + reply_text);
     });
@@ -366,7 +366,7 @@ void probe_properties(Trial& trial) {
 
     // Starts and ends of rays.
     probe_if_right("at-origin", try_at_origin);
-    probe_if_right("close", try_just_ahead, trial.tells_t);
+    probe_if_right("close", try_just_ahead, trial.reports_t);
     trial.probe("end", try_end);
     probe_if_right("range", try_range, trial.has_flag(LB_RANGE));
 
@@ -389,8 +389,8 @@ std::vector<Observation> run_all_probes(const ForeignForm& form) {
     Trial trial(form);
     probe_calls(trial);
     if (!probe_hit(trial)) return std::move(trial.findings);
-    if (trial.tells_t) trial.probe("t", try_t);
-    if (!trial.has_broken("t")) trial.probe(trial.tells_t ? "t" : "hit", try_extent);
+    if (trial.reports_t) trial.probe("t", try_t);
+    if (!trial.has_broken("t")) trial.probe(trial.reports_t ? "t" : "hit", try_extent);
     probe_properties(trial);
     try_unusual_numbers(trial);
     return std::move(trial.findings);

@@ -22,7 +22,7 @@ bool are_all_same(const std::vector<Reply>& a, const std::vector<Reply>& b) {
 }
 
 /// Many rays from all directions, some of which meet the primitive.
-std::vector<Question> scattered_questions(Shape shape) {
+std::vector<Question> make_scattered_questions(Shape shape) {
     std::vector<Question> questions;
     std::uint32_t state = 1;
     const auto random = [&state] {
@@ -47,7 +47,7 @@ std::vector<Question> scattered_questions(Shape shape) {
 }
 
 void try_hit_is_written(Trial& trial) {
-    const auto replies = ask(trial.form, scattered_questions(trial.shape));
+    const auto replies = ask(trial.form, make_scattered_questions(trial.shape));
     const auto unwritten = std::ranges::find_if(replies, [](const Reply& reply) { return reply.hit > 1; });
     if (unwritten != replies.end())
         trial.report_broken("`hit` is " + std::to_string(unwritten->hit) +
@@ -55,7 +55,7 @@ void try_hit_is_written(Trial& trial) {
 }
 
 void try_same_batch_again(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
+    const auto questions = make_scattered_questions(trial.shape);
     const auto replies = ask(trial.form, questions);
     trial.check(are_all_same(replies, ask(trial.form, questions)), "the same batch gets the same answers again",
                 "the same batch gets other answers the second time: the function keeps state from the first call, or "
@@ -63,7 +63,7 @@ void try_same_batch_again(Trial& trial) {
 }
 
 void try_batches(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
+    const auto questions = make_scattered_questions(trial.shape);
     std::vector<Reply> single_replies;
     for (const Question& question : questions) single_replies.push_back(trial.ask(question));
     trial.check(are_all_same(ask(trial.form, questions), single_replies),
@@ -71,14 +71,14 @@ void try_batches(Trial& trial) {
 }
 
 void try_primitives(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
+    const auto questions = make_scattered_questions(trial.shape);
     trial.check(are_all_same(ask(trial.form, questions), ask(trial.form, questions, BatchPrimitives::first_for_all)),
                 "one primitive for all rays, or one for each: the same answers",
                 "the primitives of each ray (primitive_stride) are ignored; step by primitive_stride from ray to ray");
 }
 
 void try_threads(Trial& trial) {
-    const auto questions = scattered_questions(trial.shape);
+    const auto questions = make_scattered_questions(trial.shape);
     const auto expected = ask(trial.form, questions);
 
     // Each thread repeats the batch. The last error of any of them is passed on.

@@ -50,15 +50,16 @@ Question draw_question_at_point(const rays::AimedPlace& target, double offset, c
 /// itself, the others miss it by up to 2^-10 of the size of the primitive. All rays are benign. A ray that misses
 /// counts only if the place is not on the surface: a ray that touches an edge from outside would pass for benign,
 /// because few rays near it hit.
-std::vector<AnsweredQuestion> questions_at_place(const Trial& trial, const scene::sweep::DistributionRow& distribution,
-                                                 int aim, bool is_upright) {
+std::vector<AnsweredQuestion> make_questions_at_place(const Trial& trial,
+                                                      const scene::sweep::DistributionRow& distribution, int aim,
+                                                      bool is_upright) {
     constexpr int attempt_count = 320, changes = 32;
     constexpr std::size_t max_questions = 64;
     RandomNumbers random;
     rays::Random place_random(1);
     std::vector<Question> questions;
     for (int i = 0; i < attempt_count && questions.size() < max_questions; ++i) {
-        const Primitive<double> any_primitive = random_primitive(trial.shape, is_upright, random);
+        const Primitive<double> any_primitive = draw_primitive(trial.shape, is_upright, random);
         const Primitive<double> primitive = i % 4 < 2 ? any_primitive : shrink_to_apex(any_primitive);
 
         const rays::AimedPlace target = distribution.draw_target(place_random, primitive, aim);
@@ -74,10 +75,11 @@ std::vector<AnsweredQuestion> questions_at_place(const Trial& trial, const scene
 /// Rays at all places of a shape, by the name of the place.
 using Places = std::vector<std::pair<std::string_view, std::vector<AnsweredQuestion>>>;
 
-Places questions_at_places(const Trial& trial, const scene::sweep::DistributionRow& distribution, bool is_upright) {
+Places make_questions_at_places(const Trial& trial, const scene::sweep::DistributionRow& distribution,
+                                bool is_upright) {
     Places places;
     for (const auto& [name, aim] : distribution.aims)
-        places.emplace_back(name, questions_at_place(trial, distribution, aim, is_upright));
+        places.emplace_back(name, make_questions_at_place(trial, distribution, aim, is_upright));
     return places;
 }
 
@@ -119,7 +121,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
     for (const auto& [name, aim] : distribution.aims) names += (names.empty() ? "" : ", ") + std::string(name);
     for (const bool is_upright : {true, false}) {
         if (is_upright && !has_axis(trial.shape)) continue;
-        const Places places = questions_at_places(trial, distribution, is_upright);
+        const Places places = make_questions_at_places(trial, distribution, is_upright);
         const WrongCount unscaled = count_wrong_at_scale(trial, places, 0);
         tested += unscaled.tested_count;
 
@@ -150,7 +152,7 @@ void try_places(Trial& trial, const scene::sweep::DistributionRow& distribution)
 Vec<double> round_to_bits(const Vec<double>& v, int bits) { return bits == 32 ? rays::stored(v) : v; }
 
 /// A closed convex mesh: an icosphere, stretched and turned at random, in numbers of the format.
-Mesh random_mesh(int bits, rays::Random& random) {
+Mesh make_random_mesh(int bits, rays::Random& random) {
     Mesh mesh = scene::triangle::make_icosphere(1, {0, 0, 0}, 1);
     const Vec<double> x = random.between(0.5, 2) * rays::draw_direction(random);
     const Vec<double> y = random.between(0.5, 2) * rays::draw_perpendicular(random, x);
@@ -298,7 +300,7 @@ std::vector<RayAtMeshEdge> draw_rays(const Trial& trial, std::size_t scale) {
     std::vector<RayAtMeshEdge> rays_at_edges;
     Mesh mesh;
     for (int i = 0; i < attempt_count; ++i) {
-        if (i % rays_of_mesh == 0) mesh = random_mesh(trial.contract.bits, random);
+        if (i % rays_of_mesh == 0) mesh = make_random_mesh(trial.contract.bits, random);
         if (const auto edge_ray = draw_ray(mesh, trial.contract, random)) rays_at_edges.push_back(*edge_ray);
     }
     return rays_at_edges;

@@ -151,7 +151,7 @@ void try_inside(Trial& trial) {
 
     // Without a t, only the decision counts.
     const RightAnswer answer = rays.answer(), stated_answer = stated_answer_inside(contract);
-    if (!trial.tells_t) {
+    if (!trial.reports_t) {
         const bool hits = stated_answer != RightAnswer::miss;
         return trial.check((rays.up.reply.hit == 1) == hits && (rays.down.reply.hit == 1) == hits,
                            hits ? "a ray from inside hits" : "a ray from inside misses",
@@ -217,7 +217,7 @@ void try_touching(Trial& trial) {
             const double right = trial.truth(question, closed).t;
             const HitOrMiss answer = read_reply(closed, trial.ask(question), question);
             // A march stops short of a tangent by the square root of its epsilon.
-            if (trial.tells_t && answer.hit && !(std::fabs(answer.t - right) <= 0.5))
+            if (trial.reports_t && answer.hit && !(std::fabs(answer.t - right) <= 0.5))
                 return trial.report_broken(ray_text + " is answered with t = " + text_of(answer.t) + "; " +
                                            text_of(right) + " is right");
             ++tested;
@@ -252,7 +252,7 @@ void try_in_plane(Trial& trial) {
         const Reply r = trial.ask(q);
         if (!read_reply(trial.contract, r, q).hit || trial.truth(q).hit) continue;
         return trial.report_broken((z == -2 ? "a ray in its plane" : "a ray beside its plane") + std::string(" hits") +
-                                   (trial.tells_t ? " at t = " + text_of(r.near) : "") +
+                                   (trial.reports_t ? " at t = " + text_of(r.near) : "") +
                                    "; it should miss, since it does not cross it");
     }
     trial.report_kept("rays in its plane and beside it miss");
@@ -268,7 +268,7 @@ struct RayFromSurface {
 
     [[nodiscard]] std::string text(const Trial& trial) const {
         const HitOrMiss answer = read_reply(trial.contract, reply, question);
-        return !answer.hit ? "misses" : trial.tells_t ? "is answered with t = " + text_of(answer.t) : "hits";
+        return !answer.hit ? "misses" : trial.reports_t ? "is answered with t = " + text_of(answer.t) : "hits";
     }
 };
 
@@ -346,9 +346,9 @@ void try_at_origin(Trial& trial) {
                                     : ray_from_surface.goes_in ? inward_text
                                                                : "a ray that starts on the surface and goes out ") +
                                    ray_from_surface.text(trial) + "; " +
-                                   (!right.hit      ? "a miss is right"
-                                    : trial.tells_t ? text_of(right.t) + " is right"
-                                                    : "it should hit"));
+                                   (!right.hit        ? "a miss is right"
+                                    : trial.reports_t ? text_of(right.t) + " is right"
+                                                      : "it should hit"));
     }
 }
 

@@ -23,7 +23,7 @@ int greatest_power(const intersect::external::Contract& contract) {
 }
 
 /// Simple rays at a primitive of half-width 2·size: through its centre, off its centre, from inside, and past it.
-std::vector<Question> questions_of_size(Shape shape, double size) {
+std::vector<Question> make_questions_of_size(Shape shape, double size) {
     std::vector<Question> questions{
         question_along_z(shape, -5 * size, 1, 0, 2 * size), question_along_z(shape, -8 * size, 1, 0, 2 * size),
         question_along_z(shape, size, 1, 0, 2 * size), question_along_z(shape, -5 * size, 1, 0, 2 * size)};
@@ -88,12 +88,12 @@ constexpr Aim aims[]{
 };
 
 /// Rays of one method of aiming, at primitives as in scenes, and at the primitive around the origin with half-width 2.
-std::vector<Question> aimed_questions(const Trial& trial, const Aim& aim, bool is_upright) {
+std::vector<Question> make_aimed_questions(const Trial& trial, const Aim& aim, bool is_upright) {
     RandomNumbers random;
     std::vector<Question> questions;
     for (int i = 0; i < 320 && questions.size() < 96; ++i) {
         const Primitive<double> primitive = i % 4 == 0 ? primitive_around<double>(trial.shape, {0, 0, 0}, 2)
-                                                       : random_primitive(trial.shape, is_upright, random);
+                                                       : draw_primitive(trial.shape, is_upright, random);
         Question q = aim.make(primitive, random);
         if (trial.contract.direction == Direction::any && i % 2 == 1)
             for (int k = 0; k < 3; ++k) q.ray.direction[k] = static_cast<float>(1.5 * q.ray.direction[k]);
@@ -132,7 +132,7 @@ bool has_axis(Shape shape) {
     });
 }
 
-Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& random) {
+Primitive<double> draw_primitive(Shape shape, bool is_upright, RandomNumbers& random) {
     for (;;) {
         const double half_width = random.between(0.5, 2), stretch = random.between(0.5, 1.5);
         const Vec<double> centre = 4.0 * random.vector();
@@ -209,7 +209,7 @@ std::string numbers_text(const Ray<double>& ray) {
 }
 
 std::string answer_text(const Trial& trial, const HitOrMiss& answer) {
-    return !answer.hit ? "a miss" : trial.tells_t ? "t = " + text_of(answer.t) : "a hit";
+    return !answer.hit ? "a miss" : trial.reports_t ? "t = " + text_of(answer.t) : "a hit";
 }
 
 Question scale_question(const Question& question, Shape shape, int power) {
@@ -257,7 +257,7 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
         answer.t = std::ldexp(answer.t, -power);
         const double tolerance =
             0x1p-5 * half_extent_of(primitive_of(plain, trial.shape)) / length(plain.ray.direction);
-        if (right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= tolerance))
+        if (right.hit == answer.hit && (!right.hit || !trial.reports_t || std::fabs(answer.t - right.t) <= tolerance))
             continue;
         if (wrong_count++ == 0) first_text = wrong_answer_text(trial, questions[i], right, answer, power);
     }
@@ -266,16 +266,16 @@ WrongCount::WrongCount(const Trial& trial, const std::vector<AnsweredQuestion>& 
 void try_scale(Trial& trial) {
     // Text about the answer to the ray i at a size, if the answer is wrong; empty otherwise.
     const auto answer_at = [&trial](std::size_t i, double size) -> std::string {
-        const Question q = questions_of_size(trial.shape, size)[i];
+        const Question q = make_questions_of_size(trial.shape, size)[i];
         const HitOrMiss right = trial.truth(q), answer = read_reply(trial.contract, trial.ask(q), q);
-        const bool is_right =
-            right.hit == answer.hit && (!right.hit || !trial.tells_t || std::fabs(answer.t - right.t) <= 0x1p-8 * size);
+        const bool is_right = right.hit == answer.hit &&
+                              (!right.hit || !trial.reports_t || std::fabs(answer.t - right.t) <= 0x1p-8 * size);
         if (is_right) return "";
         return " times as large, it answers " + answer_text(trial, answer) + " where " + answer_text(trial, right) +
                " is right: it seems to ";
     };
     const int max_power = greatest_power(trial.contract);
-    for (std::size_t i = 0; i < questions_of_size(trial.shape, 1).size(); ++i) {
+    for (std::size_t i = 0; i < make_questions_of_size(trial.shape, 1).size(); ++i) {
         if (!answer_at(i, 1).empty()) continue;  // wrong at any size
 
         // Smaller sizes, then larger ones.
@@ -301,7 +301,7 @@ void try_rays(Trial& trial) {
     for (const bool is_upright : {true, false}) {
         if (is_upright && !has_axis(trial.shape)) continue;
         for (const Aim& aim : aims) {
-            const std::vector<Question> questions = aimed_questions(trial, aim, is_upright);
+            const std::vector<Question> questions = make_aimed_questions(trial, aim, is_upright);
             if (questions.size() < 24) continue;  // rays from within a flat shape
             const WrongCount count(trial, add_truths(trial, questions));
             tested += count.tested_count;

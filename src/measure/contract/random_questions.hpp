@@ -39,7 +39,7 @@ bool has_axis(Shape shape);
 
 /// Draws a primitive of random position and shape, in numbers that floats can represent. If `is_upright`, its axis lies
 /// along x, y or z.
-Primitive<double> random_primitive(Shape shape, bool is_upright, RandomNumbers& random);
+Primitive<double> draw_primitive(Shape shape, bool is_upright, RandomNumbers& random);
 
 /// Question about a ray and a primitive, in numbers that floats can represent.
 Question make_question(const Vec<double>& origin, const Vec<double>& direction, const Primitive<double>& primitive);
@@ -50,8 +50,8 @@ double half_extent_of(const Primitive<double>& primitive);
 /// Multiplies the lengths of a question by 2^power, exactly. Directions keep their length, so t is multiplied, too.
 Question scale_question(const Question& question, Shape shape, int power);
 
-/// True if none of `changes` small random changes of the ray changes the answer much. Every usual formula answers such
-/// a question correctly.
+/// True if none of `change_count` small random changes of the ray changes the answer much. Every usual formula answers
+/// such a question correctly.
 bool is_benign(const Trial& trial, const Question& question, RandomNumbers& random, int change_count = 6);
 
 std::string numbers_text(std::span<const double> numbers);

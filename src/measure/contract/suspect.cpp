@@ -49,10 +49,10 @@ bool is_round(double factor) {
 /// answer.
 std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
     const bool is_single = wrong.size() == 1;
-    std::size_t false_miss_count = 0, false_hits = 0, not_finite = 0;
+    std::size_t false_miss_count = 0, false_hit_count = 0, not_finite = 0;
     for (const AnswerSample& sample : wrong) {
         false_miss_count += !sample.hit;
-        false_hits += sample.hit && !sample.truly_hits;
+        false_hit_count += sample.hit && !sample.truly_hits;
         not_finite += sample.hit && sample.truly_hits && !std::isfinite(sample.t);
     }
 
@@ -62,11 +62,11 @@ std::string error_counts_text(const std::vector<AnswerSample>& wrong) {
         if (is_single) text = single_text;
         else text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, n == 1 ? one_text : many_text);
     };
-    add(false_hits, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
+    add(false_hit_count, "it hits what it should miss", "hits what it should miss", "hit what they should miss");
     add(false_miss_count, "it misses what it should hit", "misses what it should hit", "miss what they should hit");
     add(not_finite, "its t is not a finite number", "has a t that is not a finite number",
         "have a t that is not a finite number");
-    add(wrong.size() - false_hits - false_miss_count - not_finite, "its t is off by more than 0.4%",
+    add(wrong.size() - false_hit_count - false_miss_count - not_finite, "its t is off by more than 0.4%",
         "has a t that is off by more than 0.4%", "have a t that is off by more than 0.4%");
     return fmt::format("{}; no known mistake explains {}", text, is_single ? "it" : "nine in ten of them");
 }

@@ -24,8 +24,9 @@ struct AnswerSample {
 };
 
 /// Makes an AnswerSample with both units of a true hit. `t` counts if the row's form has roots, and is NaN otherwise.
-AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& ray_truth,
-                           const evaluate::TestedForm& tested_form, bool hit, double t);
+AnswerSample make_answer_sample(const Ray<double>& ray, const Primitive<double>& primitive,
+                                const truth::Truth& ray_truth, const evaluate::TestedForm& tested_form, bool hit,
+                                double t);
 
 /// Source of the answers. The advice about a file does not mention the contract of a library.
 enum class AnswerSource : std::uint8_t { intersector, file };
@@ -50,7 +51,7 @@ enum class AnswerSource : std::uint8_t { intersector, file };
 /// - the primitive, or t, is in other units;
 /// - hit is inverted.
 ///
-/// `more_misses`: number of right misses in addition to those in `rays`.
+/// `more_miss_count`: number of right misses in addition to those in `rays`.
 std::string suspicion_text(const std::vector<AnswerSample>& rays, AnswerSource source = AnswerSource::intersector,
                            std::uint64_t more_miss_count = 0);
 

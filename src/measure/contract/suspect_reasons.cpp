@@ -94,7 +94,7 @@ void add_length_reasons(const ShapeRow& shape_row, std::vector<SuspectedMistake>
 }
 
 /// Mistakes about the unit of t.
-std::vector<SuspectedMistake> unit_reasons() {
+std::vector<SuspectedMistake> list_unit_reasons() {
     return {{"t is a distance, not the ray's parameter, as if directions had unit length",
              "say so (unit_direction, direction=unit)", "say --direction unit",
              [](const AnswerSample& sample) { return !sample.is_unit && is_other_t(sample); }},
@@ -104,7 +104,7 @@ std::vector<SuspectedMistake> unit_reasons() {
 }
 
 /// Mistakes about rays that start inside.
-std::vector<SuspectedMistake> inside_reasons() {
+std::vector<SuspectedMistake> list_inside_reasons() {
     return {
         {"it answers 0 from inside, where another t is right", "say so (inside_zero, inside=zero)", "say --inside zero",
          [](const AnswerSample& sample) {
@@ -133,7 +133,7 @@ std::vector<SuspectedMistake> inside_reasons() {
 }
 
 /// Mistakes about the root that is the answer.
-std::vector<SuspectedMistake> root_reasons() {
+std::vector<SuspectedMistake> list_root_reasons() {
     return {{"it answers with the far root, the exit in place of the entry",
              "answer the first with t >= 0, or near before far (roots)", "the first with t >= 0 is right",
              [](const AnswerSample& sample) {
@@ -147,7 +147,7 @@ std::vector<SuspectedMistake> root_reasons() {
 }
 
 /// Mistakes about the numbers of a ray, and about where it begins.
-std::vector<SuspectedMistake> ray_reasons() {
+std::vector<SuspectedMistake> list_ray_reasons() {
     using AffectedAnswers = SuspectedMistake::AffectedAnswers;
     return {{"the direction seems to be reversed: the answers are those for -d", "hand over the direction of the ray",
              "write -dx, -dy, -dz",
@@ -199,15 +199,15 @@ void add_known_unit_reasons(std::vector<SuspectedMistake>& list) {
              SuspectedMistake::AffectedAnswers::all});
 }
 
-std::vector<SuspectedMistake> all_reasons() {
-    std::vector<SuspectedMistake> list = unit_reasons();
+std::vector<SuspectedMistake> list_all_reasons() {
+    std::vector<SuspectedMistake> list = list_unit_reasons();
     const auto append = [&list](const std::vector<SuspectedMistake>& more) {
         list.insert(list.end(), more.begin(), more.end());
     };
     for (const ShapeRow& shape_row : shape_rows) add_length_reasons(shape_row, list);
-    append(inside_reasons());
-    append(root_reasons());
-    append(ray_reasons());
+    append(list_inside_reasons());
+    append(list_root_reasons());
+    append(list_ray_reasons());
     add_known_unit_reasons(list);
     list.push_back({"hit seems to be inverted, 1 where the ray misses", "hit is 1 where the ray hits",
                     "write 1 for a hit and 0 for a miss",
@@ -219,7 +219,7 @@ std::vector<SuspectedMistake> all_reasons() {
 }  // namespace
 
 const std::vector<SuspectedMistake>& reasons() {
-    static const std::vector<SuspectedMistake> list = all_reasons();
+    static const std::vector<SuspectedMistake> list = list_all_reasons();
     return list;
 }
 

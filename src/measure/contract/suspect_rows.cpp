@@ -20,20 +20,21 @@ void collect_samples(const truth::Band& band, const evaluate::TestedForm& tested
                      std::vector<AnswerSample>& rays) {
     const truth::FormatInputs in = band.inputs_for(tested_form.format, *tested_form.form->info);
     const answer::Answers answers = answer::evaluate(*tested_form.form, in);
-    for (std::size_t i = 0; i < band.pixels() && rays.size() < max_rays; ++i) {
+    for (std::size_t i = 0; i < band.pixel_count() && rays.size() < max_rays; ++i) {
         const truth::Truth& ray_truth = band.truth(i, tested_form.convention());
         if (ray_truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
             answer::measured_primitive(in, i, ray_truth.is_hit() ? ray_truth.primitive : answers.object[i]);
-        rays.push_back(answer_sample(in.rays_for(*tested_form.form->info)[i], in.primitives[primitive], ray_truth,
-                                     tested_form, answers.hit[i] != 0, answers.t[i]));
+        rays.push_back(make_answer_sample(in.rays_for(*tested_form.form->info)[i], in.primitives[primitive], ray_truth,
+                                          tested_form, answers.hit[i] != 0, answers.t[i]));
     }
 }
 
 }  // namespace
 
-AnswerSample answer_sample(const Ray<double>& ray, const Primitive<double>& primitive, const truth::Truth& ray_truth,
-                           const evaluate::TestedForm& tested_form, bool hit, double t) {
+AnswerSample make_answer_sample(const Ray<double>& ray, const Primitive<double>& primitive,
+                                const truth::Truth& ray_truth, const evaluate::TestedForm& tested_form, bool hit,
+                                double t) {
     const bool is_unit = tested_form.form->info->direction == intersect::Direction::unit;
     const FloatFormat& format = tested_form.format.parameters;
     if (tested_form.form->info->roots == intersect::Roots::none) t = std::nan("");
@@ -67,10 +68,10 @@ std::string suspicion_text(const scene::file::Scene& scene, const evaluate::Test
     std::vector<AnswerSample> rays;
     collect_samples(truth::Band(small_scene, 0, small_scene.height, {}, &culler), tested_form, rays);
     const std::string text = suspicion_text(rays);
-    if (text.empty() || small_scene.pixels() == scene.pixels())
-        return name_counted_rays(scene.id, small_scene.pixels(), small_scene.pixels(), "", text);
+    if (text.empty() || small_scene.pixel_count() == scene.pixel_count())
+        return name_counted_rays(scene.id, small_scene.pixel_count(), small_scene.pixel_count(), "", text);
     return fmt::format("on a sample of {}, a picture of {}x{} with {} rays: {}", scene.id, small_scene.width,
-                       small_scene.height, small_scene.pixels(), text);
+                       small_scene.height, small_scene.pixel_count(), text);
 }
 
 std::string suspicion_text(std::vector<scene::rays::RayGroup> groups, const evaluate::TestedForm& tested_form,

@@ -204,7 +204,7 @@ public:
         : form(tested_form),
           contract(form.contract),
           shape(contract.shape),
-          tells_t(contract.roots != intersect::Roots::none) {}
+          reports_t(contract.roots != intersect::Roots::none) {}
 
     /// Runs one probe. The findings and errors of the probe carry its name.
     template <class Probe>
@@ -247,13 +247,13 @@ public:
     [[nodiscard]] bool is_right(const Question& question, const Reply& reply,
                                 const intersect::external::Contract& other_contract) const {
         const HitOrMiss right = truth(question, other_contract), answer = read_reply(other_contract, reply, question);
-        return right.hit == answer.hit && (!right.hit || !tells_t || is_answer(answer.t, right.t));
+        return right.hit == answer.hit && (!right.hit || !reports_t || is_answer(answer.t, right.t));
     }
 
     const intersect::external::ForeignForm& form;
     const intersect::external::Contract& contract;
     Shape shape;
-    bool tells_t;
+    bool reports_t;
     std::vector<Observation> findings;
 
 private:

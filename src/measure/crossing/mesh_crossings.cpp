@@ -166,7 +166,7 @@ MeshCrossings find_crossings(const Ray<double>& ray, const Triangles& triangles,
     return crossings;
 }
 
-std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
+std::optional<int> find_facing(const Ray<double>& ray, const Primitive<double>& triangle) {
     return find_at_rising_precision([&]<class E>() -> std::optional<int> {
         const FlatSpan<E> span = lifted_span<E>(ray, triangle);
         const auto steepness = sign(span.at.m);
@@ -175,9 +175,9 @@ std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& tr
     });
 }
 
-unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle) {
+unsigned find_nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle) {
     constexpr unsigned all_edges = 0b111;
-    const int facing = facing_of(ray, triangle).value_or(0);
+    const int facing = find_facing(ray, triangle).value_or(0);
     if (facing == 0) return all_edges;
     const auto found = find_at_rising_precision([&]<class E>() {
         return visit_in_object_space<Triangle>(lift_ray<E>(ray), lift_primitive<E>(triangle),
@@ -191,7 +191,7 @@ unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle
 bool is_beside_border(const Ray<double>& ray, const Primitive<double>& triangle, const scene::triangle::Mesh& mesh,
                       std::size_t face) {
     if (!mesh.has_border(face)) return false;
-    const unsigned nearest = nearest_edges(ray, triangle);
+    const unsigned nearest = find_nearest_edges(ray, triangle);
     for (std::size_t k = 0; k < 3; ++k)
         if ((nearest >> k & 1U) != 0 && mesh.is_border(face, k)) return true;
     return false;

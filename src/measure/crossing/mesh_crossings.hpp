@@ -40,12 +40,12 @@ MeshCrossings find_crossings(const Ray<double>& ray, const Triangles& triangles,
 
 /// Side from which a line crosses the plane of a triangle: 1 for the front, −1 for the back, 0 if the line does not
 /// cross the plane. Exact, by rising precision. Nothing if no precision decides.
-std::optional<int> facing_of(const Ray<double>& ray, const Primitive<double>& triangle);
+std::optional<int> find_facing(const Ray<double>& ray, const Primitive<double>& triangle);
 
 /// Edges of a triangle to which a line passes nearest, measured in the plane of the triangle, for a line that meets the
 /// triangle. Bit k stands for the edge opposite to corner k. Several edges may be exactly as near. All edges if the
 /// line does not cross the plane, or if no precision decides.
-unsigned nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle);
+unsigned find_nearest_edges(const Ray<double>& ray, const Primitive<double>& triangle);
 
 /// True if one of the edges of a face to which the line passes nearest belongs to this face alone. The line must meet
 /// the face.

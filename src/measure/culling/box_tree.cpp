@@ -190,15 +190,15 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
 
     // Builds the tree below node 0, whose second child no ray meets.
     const auto count = static_cast<std::uint32_t>(tree->order_.size());
-    tree->nodes_.resize(1 + nodes_over(count));
+    tree->nodes_.resize(1 + count_nodes(count));
     for (std::size_t k = 0; k < 6; ++k) tree->nodes_[0].box[k][1] = k < 3 ? HUGE_VALF : -HUGE_VALF;
     // Isolated: a thread that waits here takes no other work, since that might wait for this tree.
     tbb::this_task_arena::isolate([&] { tree->build(boxes, {.node = 0, .c = 0, .free = 1}, 0, count); });
     return tree;
 }
 
-std::uint32_t BoxTree::nodes_over(std::uint32_t count) {
-    return count <= max_primitives_in_leaf ? 0 : 1 + nodes_over(count / 2) + nodes_over(count - count / 2);
+std::uint32_t BoxTree::count_nodes(std::uint32_t count) {
+    return count <= max_primitives_in_leaf ? 0 : 1 + count_nodes(count / 2) + count_nodes(count - count / 2);
 }
 
 void BoxTree::build(const std::vector<Corners>& boxes, Child child, std::uint32_t begin, std::uint32_t end) {
@@ -223,7 +223,7 @@ void BoxTree::build(const std::vector<Corners>& boxes, Child child, std::uint32_
     // Large halves are built at the same time. The nodes of the first half are stored before those of the second.
     const auto build_first = [&] { build(boxes, {child.free, 0, first_free}, begin, middle_index); };
     const auto build_second = [&] {
-        build(boxes, {child.free, 1, first_free + nodes_over(middle_index - begin)}, middle_index, end);
+        build(boxes, {child.free, 1, first_free + count_nodes(middle_index - begin)}, middle_index, end);
     };
     if (end - begin > 1U << 14) {
         tbb::parallel_invoke(build_first, build_second);

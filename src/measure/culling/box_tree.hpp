@@ -118,7 +118,7 @@ private:
     class Walk;
 
     /// Number of nodes in a child over that many primitives.
-    static std::uint32_t nodes_over(std::uint32_t count);
+    static std::uint32_t count_nodes(std::uint32_t count);
     /// Child `c` of a node. The nodes below it are stored from `free` on.
     struct Child {
         std::uint32_t node, c, free;

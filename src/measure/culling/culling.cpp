@@ -133,7 +133,7 @@ namespace {
 
 /// Primitives of a scene with shared inputs. A form that marches needs them in memory one by one.
 PrimitiveList<double> shared_of(const scene::file::Scene& scene) {
-    return scene.march ? PrimitiveList(scene::rays::shared_primitives(scene))
+    return scene.march ? PrimitiveList(scene::rays::make_shared_primitives(scene))
                        : scene::rays::make_shared_primitive_list(scene);
 }
 
@@ -159,14 +159,15 @@ Culler::Culler(const scene::file::Scene& scene) {
     if (scene.primitive_count() < min_primitives && !scene.mesh) return;
 
     // Bounds of the rays.
-    if (scene.camera.rays) {  // rays that a format computes have no bounds
+    if (scene.camera.ray_generator) {  // rays that a format computes have no bounds
         bounds_ = {HUGE_VAL, 0, HUGE_VAL};
         return;
     }
     constexpr int line_count = 16;
     for (int y = 0; y < scene.height; y += line_count) {
-        bounds_ = join(bounds_,
-                       bounds_of(scene::rays::input_rays(scene, y, std::min(scene.height, y + line_count), binary64)));
+        bounds_ =
+            join(bounds_,
+                 bounds_of(scene::rays::make_input_rays(scene, y, std::min(scene.height, y + line_count), binary64)));
     }
 
     // Ideal rays may have numbers that doubles cannot hold.
@@ -175,7 +176,7 @@ Culler::Culler(const scene::file::Scene& scene) {
 }
 
 Culler::Culler(const scene::file::Scene& scene, const Ray<double>& ray)
-    : Culler(shared_of(scene), scene::rays::group_of(ray).rays) {}
+    : Culler(shared_of(scene), scene::rays::make_group(ray).rays) {}
 
 Culler::Culler(PrimitiveList<double> primitives, const scene::rays::RayBlock& rays)
     : bounds_(join({0, 1, 1}, bounds_of(rays))), stored_(std::move(primitives)) {

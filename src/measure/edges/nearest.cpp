@@ -53,7 +53,7 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
 /// The searched mesh: its columns, which are the same for every form, and the edges that two faces share.
 struct SearchedMesh {
     explicit SearchedMesh(const scene::file::Scene& scene)
-        : columns(scene::rays::shared_mesh(scene)), edges(shared_edges(columns->mesh())) {}
+        : columns(scene::rays::make_shared_mesh(scene)), edges(shared_edges(columns->mesh())) {}
 
     [[nodiscard]] Vec<double> corner(std::uint32_t face, std::size_t k) const {
         const auto& numbers = (*columns)[face].numbers;
@@ -158,7 +158,7 @@ public:
           random_(file_.seed) {}
 
     void run_census(EdgeFinding& finding) {
-        std::int64_t rays_left = file_.census;
+        std::int64_t rays_left = file_.census_ray_count;
         while (rays_left > 0) {
             std::vector<Eye> batch_eyes;
             std::vector<AimedRay> batch = next_batch(batch_eyes);
@@ -172,14 +172,14 @@ public:
 
     void find_outcome(EdgeFinding& finding, std::size_t outcome_index) {
         outcome_index_ = outcome_index;
-        const std::int64_t batch_count =
-            (file_.rays + eyes_per_batch * rays_per_eye - 1) / static_cast<std::int64_t>(eyes_per_batch * rays_per_eye);
+        const std::int64_t batch_count = (file_.ray_count + eyes_per_batch * rays_per_eye - 1) /
+                                         static_cast<std::int64_t>(eyes_per_batch * rays_per_eye);
         // The tolerance allows for the rounding of the eye's position.
         const auto is_near_enough = [this] { return best_ && best_->distance <= file_.distance.low * (1 + 0x1p-10); };
         for (std::int64_t k = 0; k < batch_count && !is_near_enough(); ++k) {
             std::vector<Eye> batch_eyes;
             const std::vector<AimedRay> batch = next_batch(batch_eyes);
-            finding.rays[outcome_index_] += batch.size();
+            finding.ray_counts[outcome_index_] += batch.size();
 
             // Only rays that may have the outcome, at a distance of the file, are compared with the truth.
             std::vector<AimedRay> suspects = suspicious_rays(batch, [this](bool may_crack, bool may_hit_twice) {
@@ -207,7 +207,7 @@ private:
 
     /// Adds the rays of a batch to the census, and their outcomes.
     void count_batch(const std::vector<AimedRay>& batch, EdgeFinding& finding) const {
-        for (const AimedRay& aimed_ray : batch) ++count_of(aimed_ray, finding).rays;
+        for (const AimedRay& aimed_ray : batch) ++count_of(aimed_ray, finding).ray_count;
         const std::vector<AimedRay> suspects =
             suspicious_rays(batch, [](bool may_crack, bool may_hit_twice) { return may_crack || may_hit_twice; });
         if (suspects.empty()) return;

@@ -33,7 +33,7 @@ inline constexpr std::array<std::string_view, 2> edge_target_names{"edge", "vert
 
 /// Number of rays of a census at one kind of target, and the number with each outcome of `searched_outcomes`.
 struct EdgeCount {
-    std::uint64_t rays = 0;
+    std::uint64_t ray_count = 0;
     std::array<std::uint64_t, searched_outcomes.size()> outcomes{};
 };
 
@@ -42,7 +42,7 @@ struct EdgeFinding {
     std::array<EdgeCount, edge_target_names.size()> census{};  ///< by target
     std::array<std::optional<NearestRay>, searched_outcomes.size()> nearest;
     /// Number of rays tested. The search stops early when it finds a ray at the smallest distance of its range.
-    std::array<std::uint64_t, searched_outcomes.size()> rays{};
+    std::array<std::uint64_t, searched_outcomes.size()> ray_counts{};
 };
 
 struct EdgeRequest {

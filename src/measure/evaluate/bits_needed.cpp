@@ -129,7 +129,9 @@ PrecisionCounts BitsNeededSummary::all() const {
     return sum;
 }
 
-std::uint64_t BitsNeededSummary::pixels() const { return all().count() + hits_beyond + misses_beyond + unresolved; }
+std::uint64_t BitsNeededSummary::pixel_count() const {
+    return all().count() + hits_beyond + misses_beyond + unresolved;
+}
 
 std::uint64_t PrecisionCounts::count() const { return std::accumulate(begin(), end(), std::uint64_t{0}); }
 
@@ -154,28 +156,28 @@ double PrecisionCounts::quantile(double q) const {
 
 std::uint64_t BitsNeededStudy::units() const {
     constexpr std::uint64_t precisions = max_precision - min_precision + 1;
-    return scene.pixels() * tested_forms.size() * precisions;
+    return scene.pixel_count() * tested_forms.size() * precisions;
 }
 
 std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) const {
     std::vector<BitsNeededBand> results;
     for (const intersect::table::Intersector* form : tested_forms) {
-        const int picture_width = static_cast<int>(band.pixels()) / std::max(1, band.scanlines());
+        const int picture_width = static_cast<int>(band.pixel_count()) / std::max(1, band.scanlines());
         results.push_back({.y0 = band.y0(),
                            .scanlines = band.scanlines(),
                            .width = picture_width,
                            .band = &band,
                            .form = form->info,
-                           .bits_needed = std::vector<double>(band.pixels(), missing)});
+                           .bits_needed = std::vector<double>(band.pixel_count(), missing)});
     }
 
     // A pixel leaves its scan at the first precision, from the largest down, that is not enough.
     std::vector<Scan> scans = make_scans(results);
     for (int precision = max_precision; precision >= min_precision; --precision) {
-        const auto needs_unit_rays = [&](const Scan& s) {
-            return !s.pixels.empty() && results[s.form_index].form->direction == Direction::unit;
+        const auto needs_unit_rays = [&](const Scan& scan) {
+            return !scan.pixels.empty() && results[scan.form_index].form->direction == Direction::unit;
         };
-        if (!std::ranges::all_of(scans, [](const Scan& s) { return s.pixels.empty(); })) {
+        if (!std::ranges::all_of(scans, [](const Scan& scan) { return scan.pixels.empty(); })) {
             const FormatInputs inputs = band.inputs(*find_format("p" + std::to_string(precision)),
                                                     {.unit_rays = std::ranges::any_of(scans, needs_unit_rays)});
             intersect::process::in_parallel(std::size_t{0}, scans.size(), [&](std::size_t s) {
@@ -183,12 +185,13 @@ std::vector<BitsNeededBand> BitsNeededStudy::prepare(const truth::Band& band) co
                                results[scans[s].form_index]);
             });
         }
-        if (precision > min_precision) progress(band.pixels() * tested_forms.size());  // the driver counts the last one
+        if (precision > min_precision)
+            progress(band.pixel_count() * tested_forms.size());  // the driver counts the last one
     }
 
     // The smallest precision is enough for the pixels that are left.
-    for (const Scan& s : scans) {
-        for (const std::uint32_t i : s.pixels) results[s.form_index].bits_needed[i] = min_precision;
+    for (const Scan& scan : scans) {
+        for (const std::uint32_t i : scan.pixels) results[scan.form_index].bits_needed[i] = min_precision;
     }
     return results;
 }

@@ -55,7 +55,7 @@ struct BitsNeededSummary {
     void append(const BitsNeededSummary& other);
     /// Hits and misses together.
     [[nodiscard]] PrecisionCounts all() const;
-    [[nodiscard]] std::uint64_t pixels() const;
+    [[nodiscard]] std::uint64_t pixel_count() const;
 };
 
 /// Results of a form over some scanlines.
@@ -83,7 +83,7 @@ struct BitsNeededBand {
 struct BitsNeededStudy {
     using Band = BitsNeededBand;
     using Summary = BitsNeededSummary;
-    static constexpr int pixels_per_band = study::pixels_of_band;
+    static constexpr int pixels_per_band = study::default_pixels_per_band;
 
     const scene::file::Scene& scene;
     std::vector<const intersect::table::Intersector*> tested_forms;  ///< each with `rounded` kernels

@@ -35,8 +35,8 @@ SharedBandTruth::SharedBandTruth(Band& band, const std::vector<TestedForm>& test
         }
         needs.stored_truth = (metric_needs & metric::needs_stored_truth) != 0;
         const truth::Length length = truth::length_of(tested_form.form->info->direction);
-        if (metric_needs & metric::needs_reach) needs.add_reach(truth::Perturbed::componentwise, length);
-        if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbed::normwise, length);
+        if (metric_needs & metric::needs_reach) needs.add_reach(truth::Perturbation::componentwise, length);
+        if (metric_needs & metric::needs_reach_normwise) needs.add_reach(truth::Perturbation::normwise, length);
     }
     for (const auto& [name, needs] : needs_by_format) inputs_.emplace(name, band.inputs(*find_format(name), needs));
 
@@ -64,8 +64,8 @@ void FormSummary::add(std::size_t m, const Metric& metric, std::span<const doubl
 }
 
 void FormSummary::append(FormSummary&& next_rays) {
-    rays += next_rays.rays;
-    true_hits += next_rays.true_hits;
+    ray_count += next_rays.ray_count;
+    true_hit_count += next_rays.true_hit_count;
     for (std::size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += next_rays.outcomes[o];
     for (std::size_t m = 0; m < metrics.size(); ++m) metrics[m].add(next_rays.metrics.at(m));
     for (std::size_t m = 0; m < categories.size(); ++m) {
@@ -191,7 +191,7 @@ void measure_group(scene::rays::RayGroup rays, int group, const std::vector<Test
         }
 
         // The rays as they are given.
-        if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.rays)) {
+        if (forms.generator == nullptr && !(rays.scene && rays.scene->camera.ray_generator)) {
             std::optional<culling::Culler> culler;
             if (rays.mesh) culler.emplace(scene::rays::primitive_list_of(rays), rays.rays);
             Band band(rays, limit, culler ? &*culler : nullptr);
@@ -242,7 +242,7 @@ std::vector<FormSummary> measure_groups(std::vector<scene::rays::RayGroup> group
     for (std::size_t g = 0; !separate_rows.empty() && g < groups.size(); ++g)
         measure_group(std::move(groups[g]), static_cast<int>(g), separate_rows, metrics, limit, separate_summaries);
     for (FormSummary& summary : summaries) {
-        summary.views = groups.size();
+        summary.view_count = groups.size();
         summary.seal();
     }
     return summaries;

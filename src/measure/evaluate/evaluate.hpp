@@ -59,11 +59,11 @@ using answer::is_wrong, answer::wrong_decisions;
 
 /// Summary of a tested form over the whole picture.
 struct FormSummary {
-    std::uint64_t rays = 0;
-    std::uint64_t views = 1;  ///< number of groups of rays with primitives of their own: the independent samples, since
-                              ///< rays of one group depend on each other
+    std::uint64_t ray_count = 0;
+    std::uint64_t view_count = 1;  ///< number of groups of rays with primitives of their own: the independent samples,
+                                   ///< since rays of one group depend on each other
     std::array<std::uint64_t, answer::outcome_names.size()> outcomes{};
-    std::uint64_t true_hits = 0;                ///< rays that truly hit, whatever the form answers
+    std::uint64_t true_hit_count = 0;           ///< rays that truly hit, whatever the form answers
     std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric with categories, the number of rays in each category; empty for other metrics.
     std::vector<std::vector<std::uint64_t>> categories;
@@ -91,11 +91,13 @@ struct FormSummary {
     /// neither.
     [[nodiscard]] const WorstRay* worst_ray() const;
     /// Counts of the hits that errors are measured on.
-    [[nodiscard]] metric::Agreement agreement() const { return {count(answer::Outcome::agree_hit), true_hits}; }
+    [[nodiscard]] metric::Agreement agreement() const { return {count(answer::Outcome::agree_hit), true_hit_count}; }
     /// Frees most of the memory of the distributions; see `metric::Distribution::seal`.
     void seal();
     /// Number of rays that truly miss, whatever the form answers.
-    [[nodiscard]] std::uint64_t true_misses() const { return rays - true_hits - count(answer::Outcome::unresolved); }
+    [[nodiscard]] std::uint64_t true_miss_count() const {
+        return ray_count - true_hit_count - count(answer::Outcome::unresolved);
+    }
 };
 
 /// Results of a tested form over some scanlines.

@@ -21,7 +21,7 @@ std::vector<FormsOfGenerator> group_by_generator(const std::vector<TestedForm>& 
 struct MapStudy {
     using Band = BandResult;
     using Summary = FormSummary;
-    static constexpr int pixels_per_band = study::pixels_of_band;
+    static constexpr int pixels_per_band = study::default_pixels_per_band;
 
     const scene::file::Scene* scene = nullptr;
     std::vector<TestedForm> tested_forms;

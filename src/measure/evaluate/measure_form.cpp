@@ -216,7 +216,7 @@ private:
         constexpr std::size_t max_compared_primitives = 4096;
         const auto& primitives = result_.inputs->primitives;
         if (primitives.size() > max_compared_primitives || !is_primitive(row_.form->shape)) return std::nullopt;
-        return primitives[stability::nearest_decision(*sample.ray, primitives, sample.convention, sample.range)];
+        return primitives[stability::find_nearest_decision(*sample.ray, primitives, sample.convention, sample.range)];
     }
 
     /// Measures a correct hit. Everything that the sample points to lives until it has been measured.
@@ -230,7 +230,7 @@ private:
 
         // Other truths of the ray: rounded, and of the inputs as the format holds them.
         if (needs_ & metric::needs_rounded_truth)
-            sample.truth_rounded =
+            sample.rounded_truth =
                 result_.band->rounded_truth(i, row_.format.parameters, info.direction, row_.convention());
         const Truth stored = (needs_ & metric::needs_stored_truth) && !in.is_ideal
                                  ? in.find_stored_truth(i, row_.convention())
@@ -240,17 +240,17 @@ private:
 
         // Sensitivity of the truth to the inputs.
         if (needs_ & metric::needs_condition) sample.condition = result_.band->condition(i, row_.convention());
-        const auto reach = [&](truth::Perturbed inputs) {
+        const auto reach = [&](truth::Perturbation inputs) {
             return result_.band->reach(i, row_.convention(), info.direction, in, inputs);
         };
-        if (needs_ & metric::needs_reach) sample.reach = reach(truth::Perturbed::componentwise);
-        if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbed::normwise);
+        if (needs_ & metric::needs_reach) sample.reach = reach(truth::Perturbation::componentwise);
+        if (needs_ & metric::needs_reach_normwise) sample.reach_normwise = reach(truth::Perturbation::normwise);
 
         // The form without rounding, the operations to blame, and the form's own statements.
         std::optional<truth::CertifiedNumber> unrounded;
         if (needs_ & metric::needs_unrounded)
             unrounded = answer::evaluate_exactly(*row_.form, ray, in.target_for(*row_.form, measured_index(i)));
-        if (unrounded) sample.unrounded = &*unrounded;
+        if (unrounded) sample.unrounded_t = &*unrounded;
         const RayAttribution attribution = attribute_ray(i);
         if (needs_ & metric::needs_attribution) sample.attribution = &attribution;
         const unsigned statement_needs = needs_ & ~unsigned{metric::needs_deciding_arithmetic | metric::needs_levels};
@@ -333,7 +333,7 @@ void measure_form(const FormRequest& request, const FormInputs& form_inputs, For
     // The columns are taken out of `idle_columns`: a thread that waits in here may start another form.
     thread_local std::optional<RowColumns> idle_columns;
     RowColumns columns_of_thread = std::exchange(idle_columns, std::nullopt).value_or(RowColumns{});
-    columns_of_thread.make(form_inputs.band.pixels(), request.metrics);
+    columns_of_thread.make(form_inputs.band.pixel_count(), request.metrics);
 
     BandResult result{.y0 = form_inputs.band.y0(),
                       .scanlines = form_inputs.band.scanlines(),

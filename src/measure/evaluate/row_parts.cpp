@@ -44,8 +44,8 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
         true_hit_count += static_cast<std::uint64_t>(decision == Truth::Decision::hit);
     for (std::size_t o = 0; o < summary.outcomes.size(); ++o)
         summary.outcomes[o] += static_cast<std::uint64_t>(std::ranges::count(out.outcomes, static_cast<Outcome>(o)));
-    summary.true_hits += true_hit_count;
-    summary.rays += n;
+    summary.true_hit_count += true_hit_count;
+    summary.ray_count += n;
 }
 
 FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, const truth::FormatInputs& inputs,
@@ -75,7 +75,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
     const Primitive<double> tested_primitive = inputs.primitives[primitive];
     const intersect::table::Intersector& part_form = form.form_for(tested_primitive.shape);
     if ((needs & metric::needs_end_margin) && intersect::bounding_box::has_box(part_form))
-        end_margin_ = answer::end_margin(part_form, tested_form.format, ray, tested_primitive, rays.range(i));
+        end_margin_ = answer::find_end_margin(part_form, tested_form.format, ray, tested_primitive, rays.range(i));
     if (!(needs & metric::needs_steps)) return;
     if (!tested_primitive.transform || !part_form.has_transform_method) return;
     // A box in the world is not a transform step.
@@ -84,7 +84,7 @@ FormStatements::FormStatements(const TestedForm& tested_form, unsigned needs, co
 }
 
 void FormStatements::fill(metric::Sample& sample) const {
-    if (bounded_) sample.bounded = &*bounded_;
+    if (bounded_) sample.bounded_answer = &*bounded_;
     if (deciding_arithmetic_) sample.deciding_arithmetic = &*deciding_arithmetic_;
     if (steps_) sample.steps = &*steps_;
     sample.end_margin = end_margin_;
@@ -122,10 +122,10 @@ void RowSums::add(const RaySubset& part) const {
     // Outcomes, and the ray with the largest error.
     std::optional<std::size_t> worst_index;
     double largest = summary.worst.size;
-    summary.rays += part.rays.size();
+    summary.ray_count += part.rays.size();
     for (const std::uint32_t i : part.rays) {
         ++summary.outcomes[static_cast<std::size_t>(result_.outcomes[i])];
-        summary.true_hits += static_cast<std::uint64_t>(truth_.decision[i] == Truth::Decision::hit);
+        summary.true_hit_count += static_cast<std::uint64_t>(truth_.decision[i] == Truth::Decision::hit);
         if (!(std::fabs(ulps_[i]) > largest)) continue;
         worst_index = i;
         largest = std::fabs(ulps_[i]);
@@ -175,7 +175,7 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
         if (hit) deciding.insert(object);
         if (ray_truth.is_hit()) deciding.insert(ray_truth.primitive);
     }
-    w.given = result_.band->original_group(i, deciding);
+    w.given = result_.band->make_original_group(i, deciding);
     return w;
 }
 

@@ -25,7 +25,7 @@ double to_double(std::uint64_t n) { return static_cast<double>(n); }
 
 template <Outcome o>
 double fraction_of_hits(const S& s) {
-    return fraction(s.count(o), s.true_hits);
+    return fraction(s.count(o), s.true_hit_count);
 }
 
 /// Files in which a column of outcomes appears: all, those of scenes with meshes, or claims alone.
@@ -34,7 +34,8 @@ enum class Shown { always, for_meshes, in_claims };
 /// Columns of every summary, whatever is measured. An answer at NaN is counted neither as a false hit nor as a false
 /// miss, although its ray truly hits or misses.
 Columns make_outcome_columns() {
-    Columns columns{{"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return to_double(s.rays); }}};
+    Columns columns{
+        {"rays", Kind::count, "", "rays, one per pixel", [](const S& s) { return to_double(s.ray_count); }}};
     const auto add_count = [&columns](Outcome o, const char* meaning, Shown shown = Shown::always) {
         columns.push_back({.name = std::string(answer::outcome_names[static_cast<std::size_t>(o)]),
                            .kind = Kind::count,
@@ -66,12 +67,12 @@ Columns make_outcome_columns() {
     // Fractions of them.
     add_fraction(
         "false_hit_fraction", "false_hit among the rays that truly miss",
-        [](const S& s) { return fraction(s.count(Outcome::false_hit), s.true_misses()); }, Shown::always);
+        [](const S& s) { return fraction(s.count(Outcome::false_hit), s.true_miss_count()); }, Shown::always);
     add_fraction("false_miss_fraction", "false_miss among the rays that truly hit",
                  fraction_of_hits<Outcome::false_miss>, Shown::always);
     add_fraction(
         "not_a_number_fraction", "not_a_number among all rays",
-        [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.rays); }, Shown::in_claims);
+        [](const S& s) { return fraction(s.count(Outcome::not_a_number), s.ray_count); }, Shown::in_claims);
 
     // Wrong primitives, and all wrong decisions together.
     add_count(Outcome::wrong_primitive,
@@ -82,7 +83,8 @@ Columns make_outcome_columns() {
         "wrong_fraction",
         "not_a_number, false_hit, false_miss, wrong_primitive, crack, double_hit and out_of_order among all rays whose "
         "truth is known",
-        [](const S& s) { return fraction(s.wrong_count(), s.rays - s.count(Outcome::unresolved)); }, Shown::in_claims);
+        [](const S& s) { return fraction(s.wrong_count(), s.ray_count - s.count(Outcome::unresolved)); },
+        Shown::in_claims);
 
     // Outcomes of scenes with meshes.
     add_count(Outcome::crack,
@@ -230,7 +232,7 @@ std::string column_name(const Metric& metric, const metric::Statistic& statistic
     return column_name(metric) + "_" + std::string(statistic.name);
 }
 
-Columns summary_columns(const std::vector<const Metric*>& metrics) {
+Columns make_summary_columns(const std::vector<const Metric*>& metrics) {
     Columns columns = make_outcome_columns();
     for (std::size_t m = 0; m < metrics.size(); ++m) {
         if (metrics[m]->depends_on_forms) add_culprit(*metrics[m], m, columns);
@@ -286,7 +288,7 @@ Columns make_worst_columns(const std::vector<Shape>& shapes) {
     return columns;
 }
 
-Columns wrong_decision_columns() {
+Columns make_wrong_decision_columns() {
     using W = WorstRay;
     Columns columns{
         {.name = "fault_outcome",

@@ -26,14 +26,14 @@ struct SummaryColumn {
 };
 
 /// Counts and fractions of outcomes, then mean, p50, p99 and max of |metric|, or the counts of its categories.
-std::vector<SummaryColumn> summary_columns(const std::vector<const metric::Metric*>& metrics);
+std::vector<SummaryColumn> make_summary_columns(const std::vector<const metric::Metric*>& metrics);
 
 /// The worst ray by |ulp_error|, with all numbers for evaluating it again. `shapes` are those of the primitives, each
 /// once: they name the columns of the worst ray's primitive.
 std::vector<SummaryColumn> make_worst_columns(const std::vector<Shape>& shapes);
 
 /// The first ray of the most frequent wrong decision: the form's answer and the truth.
-std::vector<SummaryColumn> wrong_decision_columns();
+std::vector<SummaryColumn> make_wrong_decision_columns();
 
 /// `contribution_c` for `contribution:c`; with a statistic, `contribution_c_p50`.
 std::string column_name(const metric::Metric& metric);

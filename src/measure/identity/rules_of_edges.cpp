@@ -48,7 +48,7 @@ struct Edge {
     NodeId node;
     Triple p, q, o, d;
 };
-std::optional<Edge> edge_at(const Terms& terms, NodeId i) {
+std::optional<Edge> find_edge_at(const Terms& terms, NodeId i) {
     const auto factors = terms.factors_of(i);
     if (!factors) return std::nullopt;
     const auto cross = cross_of(terms, factors->first);
@@ -92,7 +92,7 @@ void find_edges_from_origin(RewriteFinder& finder) {
         if (sum.op != TapeOp::add || size.op != TapeOp::abs) continue;
         const auto u = negation_at(terms, sum.operands[0]), v = negation_at(terms, sum.operands[1]);
         if (!u || !v || u->negates != v->negates) continue;
-        const auto first = edge_at(terms, u->x), second = edge_at(terms, v->x);
+        const auto first = find_edge_at(terms, u->x), second = find_edge_at(terms, v->x);
         if (!first || !second || first->o != second->o || first->d != second->d) continue;
 
         // The third edge closes the triangle.

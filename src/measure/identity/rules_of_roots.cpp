@@ -16,7 +16,7 @@ struct Root {
     Sum b, a;
 };
 
-std::optional<Root> root_at(const Terms& terms, NodeId i) {
+std::optional<Root> find_root_at(const Terms& terms, NodeId i) {
     if (terms[i].op != TapeOp::div) return std::nullopt;
     const auto numerator_sum = multiply_out(terms, terms[i].operands[0], true);
     const auto denominator_sum = multiply_out(terms, terms[i].operands[1], true);
@@ -43,7 +43,7 @@ Sum divided_by(const Sum& sum, const Sum& divisor) {
 std::map<NodeId, std::vector<Root>> find_roots_by_s(const RewriteFinder& finder) {
     std::map<NodeId, std::vector<Root>> roots;
     for (const NodeId i : finder.formula_nodes) {
-        auto root = root_at(finder.terms, i);
+        auto root = find_root_at(finder.terms, i);
         if (!root) continue;
         auto& root_group = roots[root->s];
         if (root_group.empty() || root_group.front().b == root->b) root_group.push_back(std::move(*root));

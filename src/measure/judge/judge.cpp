@@ -51,15 +51,16 @@ std::uint64_t pixels_of(const JudgeRequest& request) {
 
 std::size_t records_of_piece(const JudgeRequest& request) {
     const int width = request.picture ? request.picture->first : 32768;
-    return static_cast<std::size_t>(request.picture ? study::lines_of_band(width) : 1) *
+    return static_cast<std::size_t>(request.picture ? study::lines_per_band(width) : 1) *
            static_cast<std::size_t>(width);
 }
 
 [[noreturn]] void fail_wrong_size(const RayFile& ray_file, const JudgeRequest& request, const JudgeResult& result,
                                   const char* count_phrase) {
-    throw InputError(ray_file.name() + ": the file " + count_phrase + " " + text::count_with_noun(result.rays, "ray") +
-                     ", but a picture of " + std::to_string(request.picture->first) + "x" +
-                     std::to_string(request.picture->second) + " has " + std::to_string(pixels_of(request)) +
+    throw InputError(ray_file.name() + ": the file " + count_phrase + " " +
+                     text::count_with_noun(result.ray_count, "ray") + ", but a picture of " +
+                     std::to_string(request.picture->first) + "x" + std::to_string(request.picture->second) + " has " +
+                     std::to_string(pixels_of(request)) +
                      " pixels; give --size as columns x rows, with one pixel for each ray");
 }
 
@@ -107,7 +108,7 @@ public:
 
 private:
     [[nodiscard]] const TestedForm& file_form() const { return request_.tested_forms[*file_form_index_]; }
-    [[nodiscard]] std::uint64_t pixels() const { return pixels_of(request_); }
+    [[nodiscard]] std::uint64_t pixel_count() const { return pixels_of(request_); }
     [[noreturn]] void fail_wrong_size(const char* count_phrase) const {
         lostbits::measure::judge::fail_wrong_size(ray_file_, request_, result_, count_phrase);
     }
@@ -158,7 +159,7 @@ private:
         const auto width = static_cast<std::size_t>(request_.picture ? request_.picture->first : 0);
         // False for a list, and for the last piece of a file that is not a picture of this size, which `measure`
         // refuses.
-        const bool has_whole_lines = width > 0 && ray_count % width == 0 && chunk.first + ray_count <= pixels();
+        const bool has_whole_lines = width > 0 && ray_count % width == 0 && chunk.first + ray_count <= pixel_count();
         group.rays.width = static_cast<int>(has_whole_lines ? width : ray_count);
         group.rays.y0 = has_whole_lines ? static_cast<int>(chunk.first / width) : 0;
         group.rays.y1 = group.rays.y0 + static_cast<int>(has_whole_lines ? ray_count / width : 1);
@@ -232,21 +233,21 @@ private:
 
     /// Counts the rays of a chunk, and what its numbers tell of their format.
     void add_counts(const Chunk& chunk) {
-        result_.rays += chunk.size();
+        result_.ray_count += chunk.size();
         result_.rounded_count += chunk.rounded_count;
         result_.max_digits = std::max(result_.max_digits, chunk.digits);
-        result_.inexact_decimals += chunk.decimals;
+        result_.inexact_decimal_count += chunk.decimals;
         for (const double t : chunk.t) {
-            const bool are_all_floats = result_.float_answers == result_.nonzero_answer_count;
+            const bool are_all_floats = result_.float_answer_count == result_.nonzero_answer_count;
             result_.nonzero_answer_count += t != 0;
-            result_.float_answers += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
-                                                (are_all_floats && scene::ray_file::is_float_in_decimal(t)));
+            result_.float_answer_count += t != 0 && (static_cast<double>(static_cast<float>(t)) == t || std::isnan(t) ||
+                                                     (are_all_floats && scene::ray_file::is_float_in_decimal(t)));
         }
     }
 
     /// Throws if the rays so far do not fit the picture.
     void require_picture_size(const Chunk& chunk) const {
-        if (request_.picture && result_.rays > pixels()) fail_wrong_size("has at least");
+        if (request_.picture && result_.ray_count > pixel_count()) fail_wrong_size("has at least");
         if (request_.picture && chunk.size() % static_cast<std::size_t>(request_.picture->first) != 0)
             fail_wrong_size("has");
     }
@@ -299,9 +300,9 @@ private:
             if (ray_truth.decision == truth::Truth::Decision::unresolved || !(hit || ray_truth.is_hit())) continue;
 
             const int primitive = ray_truth.is_hit() ? ray_truth.primitive : piece.answers.object[i];
-            result_.first_samples.push_back(contract::answer_sample(inputs.rays_for(*tested_form.form->info)[i],
-                                                                    inputs.primitives[primitive], ray_truth,
-                                                                    tested_form, hit, piece.answers.t[i]));
+            result_.first_samples.push_back(contract::make_answer_sample(inputs.rays_for(*tested_form.form->info)[i],
+                                                                         inputs.primitives[primitive], ray_truth,
+                                                                         tested_form, hit, piece.answers.t[i]));
         }
     }
 
@@ -322,12 +323,12 @@ void JudgeResult::append(JudgeResult&& next) {
     if (summaries.empty()) summaries = std::move(next.summaries);
     else
         for (std::size_t r = 0; r < summaries.size(); ++r) summaries[r].append(std::move(next.summaries.at(r)));
-    rays += next.rays;
+    ray_count += next.ray_count;
     rounded_count += next.rounded_count;
     nonzero_answer_count += next.nonzero_answer_count;
-    float_answers += next.float_answers;
+    float_answer_count += next.float_answer_count;
     max_digits = std::max(max_digits, next.max_digits);
-    inexact_decimals += next.inexact_decimals;
+    inexact_decimal_count += next.inexact_decimal_count;
     for (contract::AnswerSample& sample : next.first_samples) {
         if (first_samples.size() < max_first_rays) first_samples.push_back(std::move(sample));
     }
@@ -343,12 +344,12 @@ std::optional<std::size_t> JudgeRequest::file_form_index() const {
 
 std::uint64_t JudgeResult::scaled_right_misses(const evaluate::FormSummary& file) const {
     const std::uint64_t misses = file.count(answer::Outcome::agree_miss);
-    return rays > misses ? misses * first_samples.size() / (rays - misses) : misses;
+    return ray_count > misses ? misses * first_samples.size() / (ray_count - misses) : misses;
 }
 
 bool JudgeResult::has_all_samples(const evaluate::FormSummary& file) const {
     const std::uint64_t right_miss_count = file.count(answer::Outcome::agree_miss);
-    return first_samples.size() + right_miss_count + file.count(answer::Outcome::unresolved) >= rays;
+    return first_samples.size() + right_miss_count + file.count(answer::Outcome::unresolved) >= ray_count;
 }
 
 std::uint64_t count_pieces(RayFile& ray_file, const JudgeRequest& request) {
@@ -359,9 +360,9 @@ std::uint64_t count_pieces(RayFile& ray_file, const JudgeRequest& request) {
 }
 
 void require_ray_count(const RayFile& ray_file, const JudgeRequest& request, const JudgeResult& result) {
-    if (result.rays == 0)
+    if (result.ray_count == 0)
         throw InputError(ray_file.name() + ": has no rays; write one record for each ray after the header");
-    if (request.picture && result.rays != pixels_of(request)) fail_wrong_size(ray_file, request, result, "has");
+    if (request.picture && result.ray_count != pixels_of(request)) fail_wrong_size(ray_file, request, result, "has");
 }
 
 JudgeResult run_judge(RayFile& ray_file, const JudgeRequest& request, const ShowJudged& show) {

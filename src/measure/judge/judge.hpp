@@ -70,14 +70,14 @@ using ShowJudged = std::function<void(std::size_t form_index, const scene::ray_f
 
 struct JudgeResult {
     std::vector<evaluate::FormSummary> summaries;  ///< one for each row
-    std::uint64_t rays = 0;
+    std::uint64_t ray_count = 0;
     std::uint64_t rounded_count = 0;         ///< number of values in the file that its format cannot represent
     std::uint64_t nonzero_answer_count = 0;  ///< number of answers of the file whose t is not 0
     /// Number of these answers whose t is a binary32 number or, as long as all earlier ones count here, the decimal of
     /// one. If there are many answers and all count here, they were computed in binary32.
-    std::uint64_t float_answers = 0;
-    int max_digits = 0;                  ///< most digits of a decimal that the format cannot represent exactly
-    std::uint64_t inexact_decimals = 0;  ///< number of such decimals
+    std::uint64_t float_answer_count = 0;
+    int max_digits = 0;                       ///< most digits of a decimal that the format cannot represent exactly
+    std::uint64_t inexact_decimal_count = 0;  ///< number of such decimals
     /// The file's answers and the truth for the first rays that the file or the truth hits, for `contract::suspicion`.
     std::vector<contract::AnswerSample> first_samples = {};
     evaluate::Groups groups = {};  ///< used if the request has a column for grouping

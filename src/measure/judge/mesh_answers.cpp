@@ -165,11 +165,11 @@ private:
             result_.first_faults[outcome] = answer;
 
         result_.crossings += answer.judgement.crossings;
-        result_.listed_hits += answer.hits.size();
-        result_.missing_crossings += answer.judgement.missing_crossings;
-        result_.double_hits += answer.judgement.double_hits;
-        result_.false_hits += answer.judgement.false_hits;
-        result_.neighbour_hits += answer.judgement.neighbour_hits;
+        result_.listed_hit_count += answer.hits.size();
+        result_.missing_crossing_count += answer.judgement.missing_crossing_count;
+        result_.double_hit_count += answer.judgement.double_hit_count;
+        result_.false_hit_count += answer.judgement.false_hit_count;
+        result_.neighbour_hit_count += answer.judgement.neighbour_hit_count;
 
         for (const double ulps : answer.ulp_errors) {
             if (std::isnan(ulps)) continue;

@@ -46,7 +46,8 @@ struct MeshAnswersResult {
     std::array<std::optional<JudgedAnswer>, mesh_outcome_rows.size()> first_faults{};
     std::uint64_t crossings = 0;  ///< true crossings; not set for points
     /// Number of hits in all lists, and the sums of the counts of `ListJudgement`. Set for lists only.
-    std::uint64_t listed_hits = 0, missing_crossings = 0, double_hits = 0, false_hits = 0, neighbour_hits = 0;
+    std::uint64_t listed_hit_count = 0, missing_crossing_count = 0, double_hit_count = 0, false_hit_count = 0,
+                  neighbour_hit_count = 0;
     metric::Distribution ulp_errors, lost_bits;  ///< of the hits whose triangle the ray meets
     std::uint64_t rounded_count = 0;             ///< number of values in the file that its format cannot represent
 

@@ -85,16 +85,17 @@ public:
 
     [[nodiscard]] ListJudgement judgement() {
         count_missing();
-        for (const std::size_t n : hit_counts_) judgement_.double_hits += n > 1 ? n - 1 : 0;
-        judgement_.false_hits = static_cast<std::size_t>(std::ranges::count(surface_of_hit_, no_surface));
+        for (const std::size_t n : hit_counts_) judgement_.double_hit_count += n > 1 ? n - 1 : 0;
+        judgement_.false_hit_count = static_cast<std::size_t>(std::ranges::count(surface_of_hit_, no_surface));
 
         // The last fault that is set is the outcome.
-        set_outcome_if(judgement_.neighbour_hits > 0, MeshOutcome::wrong_neighbour);
+        set_outcome_if(judgement_.neighbour_hit_count > 0, MeshOutcome::wrong_neighbour);
         set_outcome_if(is_out_of_order(), MeshOutcome::out_of_order);
-        set_outcome_if(judgement_.double_hits > 0, MeshOutcome::double_hit);
-        set_outcome_if(judgement_.missing_crossings > 0, MeshOutcome::missing_hit);
-        set_outcome_if(judgement_.false_hits > 0, MeshOutcome::false_hit);
-        set_outcome_if(leaks_ && judgement_.false_hits % 2 != judgement_.missing_crossings % 2, MeshOutcome::crack);
+        set_outcome_if(judgement_.double_hit_count > 0, MeshOutcome::double_hit);
+        set_outcome_if(judgement_.missing_crossing_count > 0, MeshOutcome::missing_hit);
+        set_outcome_if(judgement_.false_hit_count > 0, MeshOutcome::false_hit);
+        set_outcome_if(leaks_ && judgement_.false_hit_count % 2 != judgement_.missing_crossing_count % 2,
+                       MeshOutcome::crack);
         set_outcome_if(
             contract_.has_t && std::ranges::any_of(hits_, [](const ListedHit& h) { return std::isnan(h.t); }),
             MeshOutcome::not_a_number);
@@ -122,7 +123,7 @@ private:
     /// preferably to a crossing without a hit, and among equals to the nearest.
     void match_beside(std::size_t i) {
         const auto triangle = static_cast<std::size_t>(hits_[i].triangle);
-        const int facing = crossing::facing_of(ray_, mesh_[triangle]).value_or(0);
+        const int facing = crossing::find_facing(ray_, mesh_[triangle]).value_or(0);
         const auto& surfaces = surfaces_.all();
         const auto distance = [&](std::size_t s) {
             const MeshCrossing& owner = *surfaces[s].owners.front();
@@ -144,7 +145,7 @@ private:
         }
 
         if (surface_of_hit_[i] == no_surface) return;
-        if (hit_counts_[surface_of_hit_[i]] == 0) ++judgement_.neighbour_hits;
+        if (hit_counts_[surface_of_hit_[i]] == 0) ++judgement_.neighbour_hit_count;
         ++hit_counts_[surface_of_hit_[i]];
     }
     /// Counts the missing crossings, and finds out whether light leaks through one of them.
@@ -155,7 +156,7 @@ private:
             const bool is_border = is_at_border(ray_, surfaces[s], mesh_);
             const bool is_at_rim = std::ranges::any_of(surfaces[s].owners, &MeshCrossing::is_at_rim);
             if (contract_.touching_may_miss && (is_touched_only(s) || (is_border && is_at_rim))) continue;
-            ++judgement_.missing_crossings;
+            ++judgement_.missing_crossing_count;
             leaks_ = leaks_ || !is_border;
         }
     }

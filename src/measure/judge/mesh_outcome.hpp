@@ -100,11 +100,11 @@ private:
 /// Result of comparing the hits that are listed for a ray with the true ones.
 struct ListJudgement {
     MeshOutcome outcome = MeshOutcome::agree;
-    std::size_t crossings = 0;          ///< true crossings of the surface
-    std::size_t missing_crossings = 0;  ///< crossings without a hit
-    std::size_t double_hits = 0;        ///< hits beyond the first of a crossing
-    std::size_t false_hits = 0;         ///< hits that are not a crossing
-    std::size_t neighbour_hits = 0;     ///< hits of a triangle beside the right one, if no other hit is this crossing
+    std::size_t crossings = 0;               ///< true crossings of the surface
+    std::size_t missing_crossing_count = 0;  ///< crossings without a hit
+    std::size_t double_hit_count = 0;        ///< hits beyond the first of a crossing
+    std::size_t false_hit_count = 0;         ///< hits that are not a crossing
+    std::size_t neighbour_hit_count = 0;  ///< hits of a triangle beside the right one, if no other hit is this crossing
     /// For each listed hit, the crossing of its triangle; null if the ray does not meet the triangle.
     std::vector<const crossing::MeshCrossing*> crossings_of_hits = {};
 };

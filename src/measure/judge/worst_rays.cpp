@@ -8,7 +8,7 @@ namespace lostbits::measure::judge {
 
 using answer::Outcome;
 
-ReportedRay WorstRays::reported_ray(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
+ReportedRay WorstRays::make_reported_ray(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const {
     // Two primitives decide which hit is nearest: the one that the form hits and the one truly hit.
     std::set<int> deciding;
     if (result.answers->march.empty()) {
@@ -18,7 +18,7 @@ ReportedRay WorstRays::reported_ray(std::uint64_t first, std::size_t i, const ev
     return {.ray_index = first + i,
             .outcome = result.outcomes[i],
             .ulps = result.metrics[ulp_error_][i],
-            .ray_group = result.band->original_group(i, deciding)};
+            .ray_group = result.band->make_original_group(i, deciding)};
 }
 
 bool WorstRays::is_among_worst(double error) const {
@@ -44,12 +44,12 @@ void WorstRays::add_rays(std::uint64_t first, const evaluate::BandResult& result
         if (outcome == Outcome::agree_miss || outcome == Outcome::unresolved) continue;
         if (outcome != Outcome::agree_hit) {
             if (faults_[static_cast<std::size_t>(outcome)].size() < max_rays_)
-                add_fault(reported_ray(first, i, result));
+                add_fault(make_reported_ray(first, i, result));
             continue;
         }
         // An answer with an error of at most half an ulp is never reported as the worst.
         const double error = std::fabs(ulps[i]);
-        if (error > 0.5 && is_among_worst(error)) insert_error(reported_ray(first, i, result));
+        if (error > 0.5 && is_among_worst(error)) insert_error(make_reported_ray(first, i, result));
     }
 }
 

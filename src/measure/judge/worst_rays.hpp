@@ -40,7 +40,7 @@ private:
     void insert_error(ReportedRay&& ray);
     void add_fault(ReportedRay&& ray);
     [[nodiscard]] bool is_among_worst(double error) const;
-    ReportedRay reported_ray(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
+    ReportedRay make_reported_ray(std::uint64_t first, std::size_t i, const evaluate::BandResult& result) const;
 
     std::size_t max_rays_, ulp_error_;
     std::vector<ReportedRay> errors_;  ///< in descending order of |ulp_error|

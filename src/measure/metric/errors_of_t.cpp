@@ -48,7 +48,7 @@ double derivative_error(const Sample& sample) {
     if (exact.empty()) return missing;
 
     // Each error is divided by the largest derivative of its vector.
-    const std::vector<double> computed = stability::forward_derivatives(*sample.attribution->tape);
+    const std::vector<double> computed = stability::compute_forward_derivatives(*sample.attribution->tape);
     double worst = 0;
     const auto compare_vector = [&](std::size_t first, std::size_t count) {
         double largest = 0, error = 0;
@@ -105,7 +105,7 @@ double correct_bits(const Sample& sample) { return sample.format->parameters.pre
 /// number.
 double herbie(const Sample& sample) {
     const auto ordinal_of = [&sample](double x) { return truth::ordinal(x, sample.format->parameters); };
-    const auto [low, high] = std::minmax({ordinal_of(sample.t), ordinal_of(sample.truth_rounded)});
+    const auto [low, high] = std::minmax({ordinal_of(sample.t), ordinal_of(sample.rounded_truth)});
     return bits::log2_of(1 + static_cast<double>(static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low)));
 }
 
@@ -130,13 +130,14 @@ double input_error(const Sample& sample) {
     return sample.stored_truth ? in_ulps(sample, *sample.stored_truth, *sample.true_t) : missing;
 }
 double model_error(const Sample& sample) {
-    return sample.stored_truth && sample.unrounded ? in_ulps(sample, *sample.unrounded, *sample.stored_truth) : missing;
+    return sample.stored_truth && sample.unrounded_t ? in_ulps(sample, *sample.unrounded_t, *sample.stored_truth)
+                                                     : missing;
 }
 double rounding_error(const Sample& sample) {
-    if (!sample.unrounded) return missing;
+    if (!sample.unrounded_t) return missing;
     if (std::isinf(sample.t))
-        return truth::may_round_to(*sample.unrounded, sample.t, sample.format->parameters) ? 0 : sample.t;
-    return in_ulps(sample, truth::as_certified(sample.t), *sample.unrounded);
+        return truth::may_round_to(*sample.unrounded_t, sample.t, sample.format->parameters) ? 0 : sample.t;
+    return in_ulps(sample, truth::as_certified(sample.t), *sample.unrounded_t);
 }
 
 std::span<const Metric> metrics_of_t() { return rows_of_t; }

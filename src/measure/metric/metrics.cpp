@@ -49,9 +49,9 @@ double worst_step(const Sample& sample) {
 
 /// Form's own bound on the rounding error of t, in ulps of the format at t*; infinite if the form has none.
 double bound(const Sample& sample) {
-    if (!sample.bounded) return missing;
-    if (!(sample.bounded->error < HUGE_VAL)) return HUGE_VAL;
-    return std::ldexp(sample.bounded->error,
+    if (!sample.bounded_answer) return missing;
+    if (!(sample.bounded_answer->error < HUGE_VAL)) return HUGE_VAL;
+    return std::ldexp(sample.bounded_answer->error,
                       -static_cast<int>(ulp_exponent(sample.format->parameters, sample.true_t->floor_log2())));
 }
 
@@ -60,7 +60,9 @@ double bound_ratio(const Sample& sample) {
     return size == 0 && error == 0 ? 1 : size / std::fabs(error);
 }
 
-double decision(const Sample& sample) { return sample.bounded ? (sample.bounded->proved ? 0 : 1) : missing; }
+double decision(const Sample& sample) {
+    return sample.bounded_answer ? (sample.bounded_answer->proved ? 0 : 1) : missing;
+}
 
 double arithmetic(const Sample& sample) {
     return sample.deciding_arithmetic ? static_cast<double>(*sample.deciding_arithmetic) : missing;
@@ -77,7 +79,7 @@ constexpr unsigned split_needs = needs_stored_truth | needs_unrounded;
 
 constexpr Metric table[] = {
     table_row({"lost_bits", "bits", "bits.lost"}, "clamp(log2(2|ulp_error|), 0, p): significand bits that are wrong",
-              lost_bits, {.by_default = true, .column_kernel = ColumnKernel::lost_bits}),
+              lost_bits, {.is_default = true, .column_kernel = ColumnKernel::lost_bits}),
     table_row({"correct_bits", "bits", "bits.correct"}, "p - lost_bits", correct_bits,
               {.ramp = Ramp::kept, .column_kernel = ColumnKernel::correct_bits}),
     table_row({"herbie_bits", "bits", "bits.herbie"},
@@ -87,9 +89,9 @@ constexpr Metric table[] = {
         {"ulp_error", "ulp", "err.ulp"},
         "(t - t*)/ulp(t*), signed, compared with the unrounded truth; 0 where t is infinite and t* rounds to infinity",
         ulp_error,
-        {.ramp = Ramp::magnitude, .low = 0x1p-4, .by_default = true, .column_kernel = ColumnKernel::ulp_error}),
+        {.ramp = Ramp::magnitude, .low = 0x1p-4, .is_default = true, .column_kernel = ColumnKernel::ulp_error}),
     table_row({"relative_error", "1", "err.relative"}, "|t - t*|/|t*|", relative_error,
-              {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .column_kernel = ColumnKernel::relative_error}),
+              {.ramp = Ramp::magnitude, .high = 1, .is_default = true, .column_kernel = ColumnKernel::relative_error}),
     table_row({"absolute_error", "t", "err.absolute"}, "|t - t*|, in units of t", absolute_error,
               {.ramp = Ramp::magnitude, .high = 0x1p+10, .column_kernel = ColumnKernel::absolute_error}),
     table_row({"distance_error", "length", "err.distance"},
@@ -100,7 +102,7 @@ constexpr Metric table[] = {
         "distance of P = o + t d, computed in the format, from the surface, over the size of the primitive; negative "
         "inside; for a sphere: (|P - G| - r)/r; for a box: the largest of lo - P and P - hi over the axes, over the "
         "longest side; for a plane in units of length; statistics are of the magnitude",
-        residual, {.ramp = Ramp::magnitude, .high = 1, .by_default = true, .column_kernel = ColumnKernel::residual}),
+        residual, {.ramp = Ramp::magnitude, .high = 1, .is_default = true, .column_kernel = ColumnKernel::residual}),
     table_row(
         {"normal_error", "radian", "err.normal"},
         "angle between the normal at the hit point, both computed in the format, and the normal where the ray truly "
@@ -230,17 +232,17 @@ constexpr Metric table[] = {
 /// Metrics of the march that found the hit or missed it.
 constexpr Metric metrics_of_marches[] = {
     table_row({"iterations", "samples", "march.iterations"}, "samples of the field that the march took", iterations,
-              {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .by_default = true, .domain = MetricDomain::marches}),
+              {.ramp = Ramp::magnitude, .low = 1, .high = 0x1p+8, .is_default = true, .domain = MetricDomain::marches}),
     table_row(
         {"stop", "", "march.stop"},
         "reason why the march ended; stagnated: at the step limit, and the next step would not change t (t + d == t)",
         stop,
         {.ramp = Ramp::categories,
-         .by_default = true,
+         .is_default = true,
          .domain = MetricDomain::marches,
          .categories = intersect::stop_names}),
     table_row({"least_field", "length", "march.least_field"}, "smallest |field| that the march sampled", least_field,
-              {.ramp = Ramp::magnitude, .high = 0x1p+4, .by_default = true, .domain = MetricDomain::marches}),
+              {.ramp = Ramp::magnitude, .high = 0x1p+4, .is_default = true, .domain = MetricDomain::marches}),
     table_row(
         {"overshoot", "length", "march.overshoot"},
         "largest depth inside at which the march sampled the field: max(0, -field); from outside it is 0 in exact "

@@ -22,16 +22,16 @@
 namespace lostbits::measure::metric {
 
 /// Everything known about one ray on which form and truth agree on a hit. For any other ray, only `format`, `ray`,
-/// `march`, `bounded` and `deciding_arithmetic` are set. Null pointers stand for values that no selected metric needs,
-/// or that do not exist (a form that misses in exact arithmetic has no `unrounded`).
+/// `march`, `bounded_answer` and `deciding_arithmetic` are set. Null pointers stand for values that no selected metric
+/// needs, or that do not exist (a form that misses in exact arithmetic has no `unrounded_t`).
 struct Sample {
     double t = truth::missing;       ///< the form's answer, a number of the format
     const Format* format = nullptr;  ///< the format of the form under test
     const truth::CertifiedNumber* true_t =
         nullptr;                            ///< t*, in the unit of the form's answer (a distance for unit directions)
-    double truth_rounded = truth::missing;  ///< RN_F(t*)
+    double rounded_truth = truth::missing;  ///< RN_F(t*)
     const truth::CertifiedNumber* stored_truth = nullptr;  ///< the truth of the inputs as the format holds them
-    const truth::CertifiedNumber* unrounded =
+    const truth::CertifiedNumber* unrounded_t =
         nullptr;                        ///< the form without rounding, on the inputs as the format holds them
     double condition = truth::missing;  ///< κ of the problem at its ideal inputs
     double reach = truth::missing;      ///< distance that half an ulp in each input can move t*, see `truth::reach`
@@ -40,7 +40,7 @@ struct Sample {
     const Primitive<double>* primitive = nullptr;   ///< the primitive that the form hit, as the form received it
     const intersect::MarchRecord* march = nullptr;  ///< null for forms that do not march
     const attribution::RayAttribution* attribution = nullptr;  ///< the operation that lost the bits
-    const intersect::BoundedAnswer* bounded = nullptr;         ///< the answer with the form's own bound
+    const intersect::BoundedAnswer* bounded_answer = nullptr;  ///< the answer with the form's own bound
     /// For a form that filters: the arithmetic that settled the ray.
     const intersect::DecidingArithmetic* deciding_arithmetic = nullptr;
     const answer::Steps* steps = nullptr;                   ///< for a form that transforms the ray to object space
@@ -99,7 +99,7 @@ struct Metric {
     /// Ends of the colour ramp. 0 stands for a default that depends on the precision p of the format: `high` is p, or
     /// 2^p for a magnitude; `low` of a magnitude is 2^-(p + 6).
     double low = 0, high = 0;
-    bool by_default = false;                   ///< measured and written unless metrics are named
+    bool is_default = false;                   ///< measured and written unless metrics are named
     double (*value)(const Sample&) = nullptr;  ///< value on one ray; NaN if it does not exist
     MetricDomain domain = MetricDomain::agreed_hits;
     /// Categories of a metric whose value names one: the value is an index into this list.

@@ -8,23 +8,23 @@
 
 namespace lostbits::measure::metric {
 
-using truth::missing, truth::Perturbed, stability::CountedChange;
+using truth::missing, truth::Perturbation, stability::CountedChange;
 
 namespace {
 
-double backward(const Sample& sample, Perturbed perturbed) {
+double backward(const Sample& sample, Perturbation perturbation) {
     if (!sample.primitive || sample.march) return missing;
-    return in_roundoffs(
-        stability::backward_error(*sample.ray, *sample.primitive, sample.t, perturbed, sample.convention, sample.range),
-        sample);
+    return in_roundoffs(stability::backward_error(*sample.ray, *sample.primitive, sample.t, perturbation,
+                                                  sample.convention, sample.range),
+                        sample);
 }
 
-double backward_error(const Sample& sample) { return backward(sample, Perturbed::componentwise); }
-double backward_error_normwise(const Sample& sample) { return backward(sample, Perturbed::normwise); }
+double backward_error(const Sample& sample) { return backward(sample, Perturbation::componentwise); }
+double backward_error_normwise(const Sample& sample) { return backward(sample, Perturbation::normwise); }
 double decision_margin(const Sample& sample) {
     if (!sample.primitive || sample.march) return missing;
-    return in_roundoffs(stability::decision_margin(*sample.ray, *sample.primitive, CountedChange::root,
-                                                   Perturbed::componentwise, sample.convention, sample.range),
+    return in_roundoffs(stability::find_decision_margin(*sample.ray, *sample.primitive, CountedChange::root,
+                                                        Perturbation::componentwise, sample.convention, sample.range),
                         sample);
 }
 
@@ -32,8 +32,9 @@ double wrong_decision(const Sample& sample) {
     if (!sample.primitive || sample.march) return missing;
     if (!answer::is_wrong(sample.outcome)) return 0;
     const double u = std::ldexp(1.0, -sample.format->parameters.precision);
-    const auto changes_within_u = stability::changes_within(u, *sample.ray, *sample.primitive, CountedChange::decision,
-                                                            Perturbed::componentwise, sample.convention, sample.range);
+    const auto changes_within_u =
+        stability::changes_within(u, *sample.ray, *sample.primitive, CountedChange::decision,
+                                  Perturbation::componentwise, sample.convention, sample.range);
     return !changes_within_u ? 3 : *changes_within_u ? 1 : 2;
 }
 
@@ -70,7 +71,8 @@ double cestac_decision(const Sample& sample) {
 
 double statistical_ratio(const Sample& sample) {
     if (!explains_t(sample)) return missing;
-    const double bound = stability::statistical_bound(*sample.attribution->tape, *sample.attribution->attribution);
+    const double bound =
+        stability::compute_statistical_bound(*sample.attribution->tape, *sample.attribution->attribution);
     const double error = std::fabs(sample.attribution->attribution->error);
     return error == 0 ? 0 : error / bound;
 }

@@ -10,8 +10,8 @@
 
 namespace lostbits::measure::offset {
 
-/// Axes of a sweep with the factor k, each a function of scene/file/stretch.hpp: `distance` is `farther` by k, `radius`
-/// is `enlarged` by k, and `world` is `moved` by k·(1, 0.6875, −0.4375).
+/// Axes of a sweep with the factor k, each a function of scene/file/stretch.hpp: `distance` is `move_farther` by
+/// k, `radius` is `enlarge` by k, and `world` is `translate` by k·(1, 0.6875, −0.4375).
 enum class SceneAxis { distance, radius, world };
 inline constexpr std::array<std::string_view, 3> scene_axis_names{"distance", "radius", "world"};
 inline constexpr std::string_view name_of(SceneAxis axis) { return scene_axis_names[static_cast<std::size_t>(axis)]; }

@@ -65,7 +65,7 @@ void add_new_ray(const NewRay& new_ray, const Vec<double>& p, StrategyAtPoint& s
     };
     for (std::size_t f = 0; f < fault_names.size(); ++f)
         add_if(new_ray.has(static_cast<Fault>(f)), strategy_result.fault_counts[f]);
-    add_if(new_ray.is_bad(), strategy_result.bad_rays);
+    add_if(new_ray.is_bad(), strategy_result.bad_ray_count);
     if (!new_ray.has(Fault::not_finite))
         strategy_result.offset_size =
             std::max(strategy_result.offset_size, distance(new_ray.ray.origin, p) + new_ray.tmin);
@@ -207,7 +207,7 @@ private:
         const double start = std::ldexp(largest_of(p_), -format.precision);
         double size = largest_of(p_);
         for (const double x : departed_primitive().shape_numbers()) size = std::max(size, std::fabs(x));
-        return smallest_enough(format, start, 64 * size, verdict_on);
+        return find_smallest_enough(format, start, 64 * size, verdict_on);
     }
 
     /// Projects p onto the surface if the kind of the points is `HitPointKind::projected`, and computes the normal
@@ -406,7 +406,7 @@ bool PointWork::measure(const FormHit& form_hit, std::array<SideOfPoint, 2>& sid
         if (!point.has_point()) return false;
         for (const Side side : both_sides) {
             const auto s = static_cast<std::size_t>(side);
-            sides[s].rays = static_cast<std::uint8_t>(point.ray_count(side));
+            sides[s].ray_count = static_cast<std::uint8_t>(point.ray_count(side));
             sides[s].safe_offset = point.safe_offset(side);
             if (search_quiet_offset) sides[s].quiet_offset = point.quiet_offset(side);
             for (std::size_t k = 0; k < strategies_.size(); ++k) {

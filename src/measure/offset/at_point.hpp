@@ -73,7 +73,7 @@ LOSTBITS_FIELDS(NewRay, ray, tmin, tmax, tests_departed_primitive, faults)
 /// Results of a strategy at a point, over the rays to one side.
 struct StrategyAtPoint {
     std::array<std::uint8_t, fault_names.size()> fault_counts{};  ///< number of rays with each fault
-    std::uint8_t bad_rays = 0;  ///< number of rays with a fault other than `wrong_side`
+    std::uint8_t bad_ray_count = 0;  ///< number of rays with a fault other than `wrong_side`
     /// The largest |new origin − p|, in world units; for the strategy `tmin`, the t that is skipped.
     double offset_size = 0;
 
@@ -87,7 +87,7 @@ inline std::size_t index_at_point(Side side, std::size_t strategy, std::size_t s
 
 /// Results on one side of a point that do not depend on a strategy.
 struct SideOfPoint {
-    std::uint8_t rays = 0;
+    std::uint8_t ray_count = 0;
     double safe_offset = truth::missing;   ///< the smallest safe offset; infinite if no offset is safe
     double quiet_offset = truth::missing;  ///< the smallest safe offset without a fault by the form's arithmetic
 };

@@ -7,7 +7,7 @@
 
 namespace lostbits::measure::offset {
 
-/// Returns the same as `ball_around`, but also accepts a primitive under a stored inverse A; its matrix is
+/// Returns the same as `ball_around`, but also accepts a primitive with a stored inverse A; its matrix is
 /// adj(A)/det(A).
 inline auto bounding_ball_of(const Primitive<double>& primitive) {
     if (!primitive.transform || !primitive.transform->is_inverse) return ball_around(primitive);

@@ -30,7 +30,7 @@ public:
           tree_(tree_of(band, offset_form.tested_form.format.parameters, inputs_.primitives)),
           work_(row_.tested_form, row_.point_kind, inputs_.primitives, tree_.get(), light(), study.strategies),
           band_(band) {
-        const std::size_t pixel_count = band.pixels(), strategy_count = study.strategies.size();
+        const std::size_t pixel_count = band.pixel_count(), strategy_count = study.strategies.size();
 
         // Nothing is a point yet.
         result_.y0 = band.y0();
@@ -46,18 +46,20 @@ public:
 
     void measure() {
         const std::size_t strategy_count = result_.strategy_count;
-        intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, band_.pixels(), 16), [&](const auto& range) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                study_.limit.stop.check();
-                if (!hits_true_primitive(i)) continue;
-                const auto by_strategy =
-                    std::span(result_.by_strategy).subspan(2 * i * strategy_count, 2 * strategy_count);
-                if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.search_quiet_offset)) continue;
-                result_.is_point[i] = 1;
-                result_.primitive[i] = answers_.object[i];
-                result_.ulp[i] = ulp_of(work_.hit_point(form_hit(i))->p);
-            }
-        });
+        intersect::process::in_parallel(
+            tbb::blocked_range<std::size_t>(0, band_.pixel_count(), 16), [&](const auto& range) {
+                for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                    study_.limit.stop.check();
+                    if (!hits_true_primitive(i)) continue;
+                    const auto by_strategy =
+                        std::span(result_.by_strategy).subspan(2 * i * strategy_count, 2 * strategy_count);
+                    if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.search_quiet_offset))
+                        continue;
+                    result_.is_point[i] = 1;
+                    result_.primitive[i] = answers_.object[i];
+                    result_.ulp[i] = ulp_of(work_.hit_point(form_hit(i))->p);
+                }
+            });
     }
 
     void add_to(OffsetSummary& summary) const {
@@ -82,7 +84,7 @@ private:
     }
     [[nodiscard]] std::optional<Vec<double>> light() const {
         if (!study_.scene.appearance.light) return std::nullopt;
-        return render::input_appearance(study_.scene, row_.tested_form.format.parameters).light;
+        return render::make_input_appearance(study_.scene, row_.tested_form.format.parameters).light;
     }
     [[nodiscard]] bool hits_true_primitive(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
@@ -100,10 +102,10 @@ private:
 
     void add_side(std::size_t i, Side side, SideSummary& summary) const {
         const SideOfPoint& side_result = result_.sides[i][static_cast<std::size_t>(side)];
-        summary.rays += side_result.rays;
-        summary.already_safe_points += static_cast<std::uint64_t>(side_result.safe_offset == 0);
-        summary.never_safe_points += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
-        summary.never_quiet_points += static_cast<std::uint64_t>(std::isinf(side_result.quiet_offset));
+        summary.ray_count += side_result.ray_count;
+        summary.already_safe_point_count += static_cast<std::uint64_t>(side_result.safe_offset == 0);
+        summary.never_safe_point_count += static_cast<std::uint64_t>(std::isinf(side_result.safe_offset));
+        summary.never_quiet_point_count += static_cast<std::uint64_t>(std::isinf(side_result.quiet_offset));
         if (std::isfinite(side_result.safe_offset)) {
             summary.safe_offset.add(side_result.safe_offset);
             summary.safe_ulps.add(side_result.safe_offset / result_.ulp[i]);
@@ -120,7 +122,7 @@ private:
         s.offset_size.add(strategy_result.offset_size);
         if (std::isfinite(safe_offset) && safe_offset > 0) {
             s.size_ratio.add(strategy_result.offset_size / safe_offset);
-            s.too_small_points += static_cast<std::uint64_t>(strategy_result.offset_size < safe_offset);
+            s.too_small_point_count += static_cast<std::uint64_t>(strategy_result.offset_size < safe_offset);
         }
 
         bool has_new_fault = false, has_fault = false;
@@ -129,7 +131,7 @@ private:
             has_fault = has_fault || strategy_result.fault_counts[f] > 0;
             has_new_fault = has_new_fault || (strategy_result.fault_counts[f] > 0 && !s.first_faulty_rays[f]);
         }
-        if (has_fault) s.bad_rays += strategy_result.bad_rays;
+        if (has_fault) s.bad_ray_count += strategy_result.bad_ray_count;
         if (has_new_fault) keep_first_bad_rays(i, side, k, s);
     }
 
@@ -208,20 +210,23 @@ OffsetBand OffsetStudy::measure(const truth::Band& band, std::size_t form_index,
     return measurement.take_result();
 }
 
-std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
-                                          Shape shape, std::span<const Side> sides) {
+std::vector<SafeStrategy> find_safe_strategies(const OffsetSummary& summary,
+                                               const std::vector<const Strategy*>& strategies, Shape shape,
+                                               std::span<const Side> sides) {
     std::vector<SafeStrategy> safe;
     for (std::size_t k = 0; k < strategies.size() && summary.points > 0; ++k) {
-        const auto has_no_bad_ray = [&](Side side) { return summary.side_summary(side).strategies[k].bad_rays == 0; };
+        const auto has_no_bad_ray = [&](Side side) {
+            return summary.side_summary(side).strategies[k].bad_ray_count == 0;
+        };
         if (!std::ranges::all_of(sides, has_no_bad_ray)) continue;
         double largest_ratio = truth::missing;
         for (const Side side : sides) {
             const double median = summary.side_summary(side).strategies[k].size_ratio.quantile(0.5);
             if (!(largest_ratio >= median)) largest_ratio = median;
         }
-        safe.push_back({strategies[k], strategies[k]->operations(shape), largest_ratio});
+        safe.push_back({strategies[k], strategies[k]->operation_count(shape), largest_ratio});
     }
-    std::ranges::stable_sort(safe, {}, &SafeStrategy::operations);
+    std::ranges::stable_sort(safe, {}, &SafeStrategy::operation_count);
     return safe;
 }
 

@@ -35,11 +35,11 @@ struct StrategySummary {
     std::array<std::uint64_t, fault_names.size()> fault_counts{};  ///< rays with each fault
     std::array<std::optional<FaultyRay>, fault_names.size()> first_faulty_rays =
         {};                            ///< first ray with each fault, by pixel
-    std::uint64_t bad_rays = 0;        ///< rays with a fault besides `wrong_side` (`wrong_side` by itself is harmless)
+    std::uint64_t bad_ray_count = 0;   ///< rays with a fault besides `wrong_side` (`wrong_side` by itself is harmless)
     metric::Distribution offset_size;  ///< largest |new origin − p| of each point
     metric::Distribution size_ratio;   ///< `offset_size` over the smallest safe offset, where this is finite and not 0
     /// Points of `size_ratio` whose `offset_size` is less than the smallest safe offset.
-    std::uint64_t too_small_points = 0;
+    std::uint64_t too_small_point_count = 0;
 
     [[nodiscard]] std::uint64_t operator[](Fault f) const { return fault_counts[static_cast<std::size_t>(f)]; }
     [[nodiscard]] const std::optional<FaultyRay>& first_with(Fault f) const {
@@ -47,23 +47,24 @@ struct StrategySummary {
     }
 };
 
-LOSTBITS_FIELDS(StrategySummary, fault_counts, first_faulty_rays, bad_rays, offset_size, size_ratio, too_small_points)
+LOSTBITS_FIELDS(StrategySummary, fault_counts, first_faulty_rays, bad_ray_count, offset_size, size_ratio,
+                too_small_point_count)
 
 /// Results on one side of all points of a tested form. A quiet offset is safe and has no fault by the form's own
 /// arithmetic.
 struct SideSummary {
-    std::uint64_t rays = 0;
-    std::uint64_t already_safe_points = 0;  ///< points that need no offset
-    std::uint64_t never_safe_points = 0;    ///< points that no offset along the normal makes safe
-    std::uint64_t never_quiet_points = 0;   ///< points without a quiet offset
+    std::uint64_t ray_count = 0;
+    std::uint64_t already_safe_point_count = 0;  ///< points that need no offset
+    std::uint64_t never_safe_point_count = 0;    ///< points that no offset along the normal makes safe
+    std::uint64_t never_quiet_point_count = 0;   ///< points without a quiet offset
     metric::Distribution safe_offset;   ///< smallest safe offset of the points that have one, 0 among them; world units
     metric::Distribution safe_ulps;     ///< the same in ulps of max |p|
     metric::Distribution quiet_offset;  ///< smallest offset at which the form's arithmetic finds no fault either
     std::vector<StrategySummary> strategies;
 };
 
-LOSTBITS_FIELDS(SideSummary, rays, already_safe_points, never_safe_points, never_quiet_points, safe_offset, safe_ulps,
-                quiet_offset, strategies)
+LOSTBITS_FIELDS(SideSummary, ray_count, already_safe_point_count, never_safe_point_count, never_quiet_point_count,
+                safe_offset, safe_ulps, quiet_offset, strategies)
 
 /// A form in a format, and the kind of its hit points.
 struct OffsetForm {
@@ -138,8 +139,8 @@ bool can_measure_offsets(const intersect::table::Intersector& form);
 /// A strategy that makes no bad ray (`StrategySummary::bad_rays` is 0).
 struct SafeStrategy {
     const Strategy* strategy;
-    /// Number of operations for one new ray as the rule is written (`Strategy::operations`); not a time.
-    std::uint64_t operations;
+    /// Number of operations for one new ray as the rule is written (`Strategy::operation_count`); not a time.
+    std::uint64_t operation_count;
     double size_ratio;  ///< median of `StrategySummary::size_ratio`, the largest over the sides; NaN if no side has a
                         ///< ratio
 };
@@ -147,7 +148,8 @@ struct SafeStrategy {
 /// Returns the strategies of a measured form that are safe to all of these sides, the cheapest first, and equally cheap
 /// ones in the order of the table. Safe means `StrategySummary::bad_rays` = 0: no self-hit by truth or by the form, no
 /// lost occluder and no lost exit. The result is empty if no strategy is safe, or if the form has no points.
-std::vector<SafeStrategy> safe_strategies(const OffsetSummary& summary, const std::vector<const Strategy*>& strategies,
-                                          Shape shape, std::span<const Side> sides = both_sides);
+std::vector<SafeStrategy> find_safe_strategies(const OffsetSummary& summary,
+                                               const std::vector<const Strategy*>& strategies, Shape shape,
+                                               std::span<const Side> sides = both_sides);
 
 }  // namespace lostbits::measure::offset

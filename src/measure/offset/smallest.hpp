@@ -18,7 +18,7 @@ enum class OffsetVerdict : std::int8_t { too_little, enough, too_much };
 /// that is enough. If `verdict_on` is not monotone (one more float in a component can turn a grazing ray back), the
 /// result is one of several numbers at which "too little" ends.
 template <class VerdictOn>
-double smallest_enough(const FloatFormat& format, double start, double most, const VerdictOn& verdict_on) {
+double find_smallest_enough(const FloatFormat& format, double start, double most, const VerdictOn& verdict_on) {
     if (verdict_on(0.0) == OffsetVerdict::enough) return 0;
     const std::int64_t binade = std::int64_t{1} << (format.precision - 1);
     const std::int64_t infinity = truth::ordinal(std::numeric_limits<double>::infinity(), format);

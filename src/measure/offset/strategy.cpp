@@ -263,7 +263,7 @@ std::vector<const Strategy*> all_strategies() {
     return all;
 }
 
-std::uint64_t Strategy::operations(Shape shape) const {
+std::uint64_t Strategy::operation_count(Shape shape) const {
     using T = Counted<float>;
     const auto vec = [](float x, float y, float z) { return Vec<T>(T(x), T(y), T(z)); };
     const Primitive<T> primitive = primitive_around<T>(shape, vec(4, 4, 2.5F), T(2.0F));

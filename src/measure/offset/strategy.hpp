@@ -32,7 +32,7 @@ struct Strategy {
     }
     /// Returns the number of operations for one new ray, as the rule is written. Additions, products, quotients, roots,
     /// comparisons, selections, conversions and moves of bits count one each.
-    [[nodiscard]] std::uint64_t operations(Shape shape) const;
+    [[nodiscard]] std::uint64_t operation_count(Shape shape) const;
 };
 
 /// Rows of the table, in the order of every output.

@@ -21,7 +21,7 @@ struct ShadowRays {
 };
 
 /// Bits of the result of `find_blockers` for a ray.
-enum Blocked : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, blocked_by_departed_sphere = 2 };
+enum Blocker : std::uint8_t { blocked_by_nothing = 0, blocked_by_other = 1, blocked_by_departed_sphere = 2 };
 
 /// Finds which rays are blocked. A primitive of `inputs` (in numbers of the format) blocks a ray if the form reports a
 /// hit at 0 < t < reach. A hit at NaN blocks nothing, because every comparison with NaN is false. With

@@ -81,7 +81,7 @@ public:
           inputs_(shared.inputs.at(tested_form.format.name)),
           true_pixels_(shared.true_pixels),
           appearance_(study.scene.appearance),
-          pixel_count_(shared.band.pixels()),
+          pixel_count_(shared.band.pixel_count()),
           rays_(inputs_.geometry.rays_for(*tested_form.form->info)),
           result_{shared.band.y0(),
                   shared.band.scanlines(),
@@ -99,7 +99,7 @@ public:
         points_.assign(pixel_count_, Vec<double>(missing, missing, missing));
         normals_ = points_;
         compute_points();
-        for (const Stage stage : study_.stages) casts_shadows_ |= shade_rule(appearance_, stage).has_shadows;
+        for (const Stage stage : study_.stages) casts_shadows_ |= make_shade_rule(appearance_, stage).has_shadows;
         blocker_bits_.assign(pixel_count_, blocked_by_nothing);
         if (casts_shadows_) find_shadows();
         for (const Stage stage : study_.stages) paint_stage(stage);
@@ -216,7 +216,7 @@ private:
     }
 
     void paint_stage(Stage stage) {
-        const ShadeRule rule = shade_rule(appearance_, stage);
+        const ShadeRule rule = make_shade_rule(appearance_, stage);
         auto& picture = result_.painted.emplace_back(pixel_count_);
         for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
             PaintedPixel& painted = picture[i];
@@ -238,7 +238,7 @@ private:
 
     template <class T>
     [[nodiscard]] Vec<T> surface_colour(const ShadeRule& rule, std::size_t i) const {
-        const Paint<T> sphere_paint = lifted(inputs_.appearance.paints[answers_.object[i]], lift<T, double>);
+        const Paint<T> sphere_paint = lift_numbers(inputs_.appearance.paints[answers_.object[i]], lift<T, double>);
         const Vec<T> p = lift_vec<T>(points_[i]);
         return shade<T>(sphere_paint, rule, blocker_bits_[i] != blocked_by_nothing,
                         {lift_vec<T>(normals_[i]), unit_of<T>(lift_vec<T>(inputs_.appearance.light) - p),
@@ -279,7 +279,7 @@ RenderStudy::Summary RenderStudy::begin(std::size_t) const {
     Summary summary(stages.size());
     for (std::size_t s = 0; s < stages.size(); ++s) {
         summary[s].stage = stages[s];
-        summary[s].rule = shade_rule(scene.appearance, stages[s]);
+        summary[s].rule = make_shade_rule(scene.appearance, stages[s]);
     }
     return summary;
 }
@@ -289,13 +289,13 @@ SharedRenderInputs RenderStudy::prepare(const truth::Band& band) const {
     for (const TestedForm& tested_form : tested_forms)
         needs[tested_form.format.name].unit_rays |= tested_form.form->info->direction == intersect::Direction::unit;
     SharedRenderInputs shared{
-        band, find_true_picture(scene, band, stages, limit), {}, input_appearance(scene, binary64)};
+        band, find_true_picture(scene, band, stages, limit), {}, make_input_appearance(scene, binary64)};
     for (const auto& [name, format_needs] : needs) {
         const Format format = *find_format(name);
         shared.inputs.emplace(
-            name,
-            FormatRenderInputs{band.inputs(format, format_needs), input_appearance(scene, format.parameters),
-                               input_pixel_points(scene, band.y0(), band.y0() + band.scanlines(), format.parameters)});
+            name, FormatRenderInputs{
+                      band.inputs(format, format_needs), make_input_appearance(scene, format.parameters),
+                      make_input_pixel_points(scene, band.y0(), band.y0() + band.scanlines(), format.parameters)});
     }
     return shared;
 }

@@ -81,12 +81,12 @@ struct RenderSummary {
     std::array<std::uint64_t, seen_names.size()> seen{};
     /// Counts of shadow decisions, indexed by `Receiver`.
     std::array<std::array<std::uint64_t, shadow_names.size()>, 2> shadow{};
-    std::uint64_t faces_away = 0;             ///< points on the same sphere that truly face away from the light
-    std::uint64_t truly_shadowed_points = 0;  ///< points on spheres that face the light and are truly in shadow
-    /// Number of `truly_shadowed_points` that have diffuse light in the true picture anyway.
-    std::uint64_t light_in_true_shadow = 0;
-    std::uint64_t changed_pixels = 0;  ///< pixels with a byte that differs from the true one
-    std::uint64_t colour_unresolved = 0, colour_not_a_number = 0;
+    std::uint64_t facing_away_count = 0;           ///< points on the same sphere that truly face away from the light
+    std::uint64_t truly_shadowed_point_count = 0;  ///< points on spheres that face the light and are truly in shadow
+    /// Number of `truly_shadowed_point_count` that have diffuse light in the true picture anyway.
+    std::uint64_t lit_in_true_shadow_count = 0;
+    std::uint64_t changed_pixel_count = 0;  ///< pixels with a byte that differs from the true one
+    std::uint64_t unresolved_colour_count = 0, nan_colour_count = 0;
     metric::Distribution colour_error, normal_angle, residual;
 
     [[nodiscard]] std::uint64_t count(SeenContent s) const { return seen[static_cast<std::size_t>(s)]; }
@@ -95,9 +95,9 @@ struct RenderSummary {
     }
     /// Returns the number of pixels that show the wrong sphere, no sphere where there is one, a sphere where there is
     /// none, or NaN.
-    [[nodiscard]] std::uint64_t wrong_pixels() const;
+    [[nodiscard]] std::uint64_t wrong_pixel_count() const;
     /// Returns the number of shadow decisions that differ from the truth, without shadows by the point's own sphere.
-    [[nodiscard]] std::uint64_t flipped_shadows() const;
+    [[nodiscard]] std::uint64_t flipped_shadow_count() const;
     /// Returns the number of pixels whose content, shadow or colour is not proved.
     [[nodiscard]] std::uint64_t unresolved_count() const;
 };
@@ -105,10 +105,11 @@ struct RenderSummary {
 /// Lists the fields for shards. The stage and its rule are those of the study, and are left out.
 template <class Archive>
 void fields(Archive& archive, RenderSummary& whole) {
-    auto& [stage, rule, pixels, seen, shadow, faces_away, truly_shadowed_points, light_in_true_shadow, changed_pixels,
-           colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual] = whole;
-    archive(pixels, seen, shadow, faces_away, truly_shadowed_points, light_in_true_shadow, changed_pixels,
-            colour_unresolved, colour_not_a_number, colour_error, normal_angle, residual);
+    auto& [stage, rule, pixels, seen, shadow, facing_away_count, truly_shadowed_point_count, lit_in_true_shadow_count,
+           changed_pixel_count, unresolved_colour_count, nan_colour_count, colour_error, normal_angle, residual] =
+        whole;
+    archive(pixels, seen, shadow, facing_away_count, truly_shadowed_point_count, lit_in_true_shadow_count,
+            changed_pixel_count, unresolved_colour_count, nan_colour_count, colour_error, normal_angle, residual);
 }
 
 /// Adds a band to the summary of one stage, pixel by pixel from the top. `stage_index` is the index of the stage in the
@@ -120,7 +121,7 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
 struct FormatRenderInputs {
     truth::FormatInputs geometry;
     StoredAppearance<double> appearance;
-    std::vector<Vec<double>> points;  ///< points of the pixels in the plane z = 0; empty under other cameras
+    std::vector<Vec<double>> points;  ///< points of the pixels in the plane z = 0; empty for other cameras
 };
 
 /// Inputs that all forms share on a band.

@@ -34,10 +34,10 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         ++summary.seen[static_cast<std::size_t>(band.seen[i])];
 
         // Colours
-        summary.colour_unresolved += !colour.is_certain && band.seen[i] != SeenContent::unresolved;
-        summary.colour_not_a_number +=
+        summary.unresolved_colour_count += !colour.is_certain && band.seen[i] != SeenContent::unresolved;
+        summary.nan_colour_count +=
             std::isnan(painted.colour.x) || std::isnan(painted.colour.y) || std::isnan(painted.colour.z);
-        summary.changed_pixels += colour.is_certain && (painted.byte != colour.byte || std::isnan(painted.error));
+        summary.changed_pixel_count += colour.is_certain && (painted.byte != colour.byte || std::isnan(painted.error));
         if (!std::isnan(painted.error) && (is_same_sphere || band.seen[i] == SeenContent::background))
             summary.colour_error.add(painted.error);
 
@@ -46,7 +46,7 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
             if (!std::isnan(band.residual[i])) summary.residual.add(band.residual[i]);
             if (summary.rule.has_diffuse && !std::isnan(band.normal_angle[i]))
                 summary.normal_angle.add(band.normal_angle[i]);
-            summary.faces_away += summary.rule.has_diffuse && !true_pixel.faces_light;
+            summary.facing_away_count += summary.rule.has_diffuse && !true_pixel.faces_light;
         }
 
         // Shadows: of the form compared with the truth, then of the truth alone
@@ -56,17 +56,17 @@ void add_to_summary(const RenderBand& band, std::size_t stage_index, const Store
         if (band.true_primitive[i] < 0 || !true_pixel.faces_light || true_pixel.shadow != TrueShadow::shadowed ||
             !colour.is_certain)
             continue;
-        ++summary.truly_shadowed_points;
-        summary.light_in_true_shadow +=
+        ++summary.truly_shadowed_point_count;
+        summary.lit_in_true_shadow_count +=
             has_light_in_shadow(true_pixel, colour, appearance.paints[band.true_primitive[i]]);
     }
 }
 
-std::uint64_t RenderSummary::wrong_pixels() const {
+std::uint64_t RenderSummary::wrong_pixel_count() const {
     return pixels - count(SeenContent::same_sphere) - count(SeenContent::background) - count(SeenContent::unresolved);
 }
 
-std::uint64_t RenderSummary::flipped_shadows() const {
+std::uint64_t RenderSummary::flipped_shadow_count() const {
     std::uint64_t sum = 0;
     for (const Receiver receiver : {Receiver::sphere, Receiver::background})
         sum += count(receiver, Shadow::false_shadow) + count(receiver, Shadow::false_light);
@@ -77,7 +77,7 @@ std::uint64_t RenderSummary::unresolved_count() const {
     // If a shadow is not proved, the colour is not proved either. So each pixel without a proved shadow is already
     // counted without a proved colour, and the larger count is the whole.
     return count(SeenContent::unresolved) +
-           std::max(colour_unresolved,
+           std::max(unresolved_colour_count,
                     count(Receiver::sphere, Shadow::unresolved) + count(Receiver::background, Shadow::unresolved));
 }
 

@@ -22,7 +22,7 @@ struct ShadeRule {
 };
 
 /// Returns the rule that a scene asks for, up to a stage.
-inline ShadeRule shade_rule(const scene::file::Appearance& appearance, scene::file::Stage stage) {
+inline ShadeRule make_shade_rule(const scene::file::Appearance& appearance, scene::file::Stage stage) {
     using scene::file::Stage;
     const auto has_stage = [&](Stage s) { return s <= stage && appearance.has_stage(s); };
     return {has_stage(Stage::diffuse), has_stage(Stage::shadows), has_stage(Stage::phong),

@@ -8,7 +8,7 @@ namespace lostbits::measure::render {
 
 using scene::file::Scene;
 
-StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance) {
+StoredAppearance<Real> make_own_appearance(const scene::file::Appearance& appearance) {
     StoredAppearance<Real> stored;
     stored.background = appearance.background;
     if (appearance.light) stored.light = *appearance.light;
@@ -21,20 +21,21 @@ StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance)
     return stored;
 }
 
-StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance) {
-    return lifted(own_appearance(appearance), [](const Real& x) { return scene::toml::round_to_format(x, binary32); });
+StoredAppearance<double> make_shared_appearance(const scene::file::Appearance& appearance) {
+    return lift_numbers(make_own_appearance(appearance),
+                        [](const Real& x) { return scene::toml::round_to_format(x, binary32); });
 }
 
-StoredAppearance<double> input_appearance(const Scene& scene, const FloatFormat& format) {
+StoredAppearance<double> make_input_appearance(const Scene& scene, const FloatFormat& format) {
     if (scene.inputs == scene::file::InputRounding::own)
-        return lifted(own_appearance(scene.appearance),
-                      [&format](const Real& x) { return scene::toml::round_to_format(x, format); });
-    return lifted(shared_appearance(scene.appearance),
-                  [&format](double x) { return rounding::to_format(x, 0, format); });
+        return lift_numbers(make_own_appearance(scene.appearance),
+                            [&format](const Real& x) { return scene::toml::round_to_format(x, format); });
+    return lift_numbers(make_shared_appearance(scene.appearance),
+                        [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
 template <class S>
-std::vector<Vec<S>> pixel_points(const Scene& scene, int y0, int y1) {
+std::vector<Vec<S>> make_pixel_points(const Scene& scene, int y0, int y1) {
     std::vector<Vec<S>> points;
     if (scene.camera.kind != scene::file::Camera::Kind::pixel_plane) return points;
     const auto frame = scene::rays::make_frame<S>(scene);
@@ -43,7 +44,8 @@ std::vector<Vec<S>> pixel_points(const Scene& scene, int y0, int y1) {
         else return x;
     };
     for (int y = y0; y < y1; ++y) {
-        for (int x = 0; x < scene.width; ++x) points.push_back(lifted(scene::rays::pixel_point(frame, x, y), stored));
+        for (int x = 0; x < scene.width; ++x)
+            points.push_back(lift_numbers(scene::rays::pixel_point(frame, x, y), stored));
     }
     return points;
 }
@@ -51,14 +53,15 @@ std::vector<Vec<S>> pixel_points(const Scene& scene, int y0, int y1) {
 template std::vector<Vec<double>> pixel_points<double>(const Scene&, int, int);
 template std::vector<Vec<Real>> pixel_points<Real>(const Scene&, int, int);
 
-std::vector<Vec<double>> input_pixel_points(const Scene& scene, int y0, int y1, const FloatFormat& format) {
+std::vector<Vec<double>> make_input_pixel_points(const Scene& scene, int y0, int y1, const FloatFormat& format) {
     std::vector<Vec<double>> points;
     if (scene.inputs == scene::file::InputRounding::own) {
         for (const auto& p : pixel_points<Real>(scene, y0, y1))
-            points.push_back(lifted(p, [&format](const Real& x) { return scene::toml::round_to_format(x, format); }));
+            points.push_back(
+                lift_numbers(p, [&format](const Real& x) { return scene::toml::round_to_format(x, format); }));
     } else {
         for (const auto& p : pixel_points<double>(scene, y0, y1))
-            points.push_back(lifted(p, [&format](double x) { return rounding::to_format(x, 0, format); }));
+            points.push_back(lift_numbers(p, [&format](double x) { return rounding::to_format(x, 0, format); }));
     }
     return points;
 }

@@ -22,43 +22,45 @@ struct StoredAppearance {
 };
 
 template <class S, class Lift>
-auto lifted(const Vec<S>& v, Lift lift) {
+auto lift_numbers(const Vec<S>& v, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
     return Vec<T>(lift(v.x), lift(v.y), lift(v.z));
 }
 
 template <class S, class Lift>
-auto lifted(const Paint<S>& p, Lift lift) {
+auto lift_numbers(const Paint<S>& p, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    return Paint<T>{lifted(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.is_shiny};
+    return Paint<T>{
+        lift_numbers(p.colour, lift), lift(p.ambient), lift(p.diffuse), lift(p.specular), p.exponent, p.is_shiny};
 }
 
 /// Converts each number by `lift`. A shiny sphere stays shiny even if a format rounds its ks to 0; its highlight is
 /// then 0.
 template <class S, class Lift>
-auto lifted(const StoredAppearance<S>& appearance, Lift lift) {
+auto lift_numbers(const StoredAppearance<S>& appearance, Lift lift) {
     using T = std::decay_t<std::invoke_result_t<Lift, const S&>>;
-    StoredAppearance<T> result{lifted(appearance.background, lift),
-                               lifted(appearance.light, lift),
+    StoredAppearance<T> result{lift_numbers(appearance.background, lift),
+                               lift_numbers(appearance.light, lift),
                                lift(appearance.shadow_on_background),
                                lift(appearance.epsilon),
                                {}};
-    for (const Paint<S>& p : appearance.paints) result.paints.push_back(lifted(p, lift));
+    for (const Paint<S>& p : appearance.paints) result.paints.push_back(lift_numbers(p, lift));
     return result;
 }
 
 /// Returns light and paint in ideal numbers.
-StoredAppearance<Real> own_appearance(const scene::file::Appearance& appearance);
+StoredAppearance<Real> make_own_appearance(const scene::file::Appearance& appearance);
 /// Returns light and paint with each number rounded once to binary32: the inputs that all formats share.
-StoredAppearance<double> shared_appearance(const scene::file::Appearance& appearance);
+StoredAppearance<double> make_shared_appearance(const scene::file::Appearance& appearance);
 /// Returns light and paint as a form in the format receives them, like `scene::rays::input_rays`.
-StoredAppearance<double> input_appearance(const scene::file::Scene& scene, const FloatFormat& format);
+StoredAppearance<double> make_input_appearance(const scene::file::Scene& scene, const FloatFormat& format);
 
 /// Returns the points of the pixels of scanlines [y0, y1) in the plane z = 0, or nothing if the camera does not have
 /// its pixels there. S is as in `StoredAppearance`.
 template <class S>
-std::vector<Vec<S>> pixel_points(const scene::file::Scene& scene, int y0, int y1);
+std::vector<Vec<S>> make_pixel_points(const scene::file::Scene& scene, int y0, int y1);
 /// Returns these points as a form in the format receives them.
-std::vector<Vec<double>> input_pixel_points(const scene::file::Scene& scene, int y0, int y1, const FloatFormat& format);
+std::vector<Vec<double>> make_input_pixel_points(const scene::file::Scene& scene, int y0, int y1,
+                                                 const FloatFormat& format);
 
 }  // namespace lostbits::measure::render

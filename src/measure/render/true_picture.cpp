@@ -124,15 +124,15 @@ public:
           points_(pixel_points<S>(scene, band.y0(), band.y0() + band.scanlines())) {
         if constexpr (std::is_same_v<S, double>) {
             rays_ = scene::rays::make_shared_rays(scene, band.y0(), band.y0() + band.scanlines());
-            primitives_ = scene::rays::shared_primitives(scene);
-            appearance_ = shared_appearance(scene.appearance);
+            primitives_ = scene::rays::make_shared_primitives(scene);
+            appearance_ = make_shared_appearance(scene.appearance);
         } else {
             rays_ = scene::rays::make_own_rays(scene, band.y0(), band.y0() + band.scanlines());
             primitives_ = scene.primitives();
-            appearance_ = own_appearance(scene.appearance);
+            appearance_ = make_own_appearance(scene.appearance);
         }
         for (const Stage stage : stages) {
-            rules_.emplace_back(static_cast<std::size_t>(stage), shade_rule(scene.appearance, stage));
+            rules_.emplace_back(static_cast<std::size_t>(stage), make_shade_rule(scene.appearance, stage));
             casts_shadows_ |= rules_.back().second.has_shadows;
         }
     }
@@ -189,7 +189,7 @@ private:
             }
         }
 
-        const Paint<E> paint = lifted(appearance_.paints[primitive_index], lift<E, S>);
+        const Paint<E> paint = lift_numbers(appearance_.paints[primitive_index], lift<E, S>);
         for (const auto& [stage, rule] : rules_)
             is_proved &= find_colour(shade<E>(paint, rule, shadowed, {n, l, v}), pixel.colours[stage]);
         return is_proved;
@@ -252,8 +252,8 @@ std::vector<TruePixel> find_all_pixels(const TruePixelFinder<S>& finder, std::si
 std::vector<TruePixel> find_true_picture(const scene::file::Scene& scene, const Band& band,
                                          std::span<const Stage> stages, PictureLimit limit) {
     if (scene.inputs == scene::file::InputRounding::own)
-        return find_all_pixels(TruePixelFinder<Real>(scene, band, stages, limit), band.pixels(), limit.stop);
-    return find_all_pixels(TruePixelFinder<double>(scene, band, stages, limit), band.pixels(), limit.stop);
+        return find_all_pixels(TruePixelFinder<Real>(scene, band, stages, limit), band.pixel_count(), limit.stop);
+    return find_all_pixels(TruePixelFinder<double>(scene, band, stages, limit), band.pixel_count(), limit.stop);
 }
 
 }  // namespace lostbits::measure::render

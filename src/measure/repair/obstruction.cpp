@@ -48,10 +48,10 @@ FormQuality RaySample::measure_exact_quality(const Tape& tape, const std::vector
         const bool should_hit = !std::isnan(correct_t);
 
         // A wrong decision has no error of t.
-        ++quality.rays;
-        quality.hits += should_hit ? 1 : 0;
+        ++quality.ray_count;
+        quality.true_hit_count += should_hit ? 1 : 0;
         if (hit != should_hit) {
-            ++quality.wrong;
+            ++quality.wrong_count;
             false_hit_count += hit ? 1 : 0;
         } else if (hit) {
             lost.add(truth::lost_bits(error_in_ulps(t, correct_t, format), format.precision));
@@ -59,10 +59,10 @@ FormQuality RaySample::measure_exact_quality(const Tape& tape, const std::vector
     }
 
     quality.kept_bits = format.precision - lost.quantile(requirement_.quantile);
-    const bool are_mostly_false_hits = 2 * false_hit_count > quality.wrong;
-    if (quality.wrong > 0)
+    const bool are_mostly_false_hits = 2 * false_hit_count > quality.wrong_count;
+    if (quality.wrong_count > 0)
         quality.main_fault = are_mostly_false_hits ? answer::Outcome::false_hit : answer::Outcome::false_miss;
-    quality.main_fault_count = are_mostly_false_hits ? false_hit_count : quality.wrong - false_hit_count;
+    quality.main_fault_count = are_mostly_false_hits ? false_hit_count : quality.wrong_count - false_hit_count;
     return quality;
 }
 

@@ -245,7 +245,7 @@ std::string Patcher::Writer::expression_text(NodeId n, SourcePrecedence& precede
     const TapeNode& node = (*new_tape_)[n];
     const bool is_wide = is_double(*new_tape_, n);
     if (const double* const x = matcher_->shared().constant_of(matcher_->value_of_new(n))) {
-        const std::string digits = digits_in(function_.language, *x, is_wide);
+        const std::string digits = literal_in(function_.language, *x, is_wide);
         if (digits.empty()) throw UnwritableChange("it has a number that is not finite");
         precedence = digits.starts_with('-') ? SourcePrecedence::sign : SourcePrecedence::call;
         return digits;
@@ -386,7 +386,7 @@ std::string Patcher::Writer::make_diff(const Tape& new_tape, bool shares_values)
 
     const std::optional<std::string> changed_file = apply_changes(text_, changes_);
     if (!changed_file || !answers_like_tape(*changed_file, new_tape)) return "";
-    return unified_diff(function_.path, text_, *changed_file);
+    return make_unified_diff(function_.path, text_, *changed_file);
 }
 
 /// True if the changed file, compiled and followed, has the same answers as the tape on the rays.

@@ -99,16 +99,16 @@ std::optional<RequestRays> take_request_rays(const RepairRequest& request, int r
         std::clamp<std::size_t>(max_pairs / primitive_count, 64, static_cast<std::size_t>(ray_count));
     if (!request.scene) {
         if (request.rays->sample.mesh) return std::nullopt;
-        return RequestRays{choose::exact_rays(sample_rays(request.rays->sample, max_rays)),
+        return RequestRays{choose::make_ideal_rays(sample_rays(request.rays->sample, max_rays)),
                            request.rays->format.parameters};
     }
     if (request.scene->flake) return std::nullopt;
     const scene::file::Scene smaller_scene = choose::with_smaller_picture(*request.scene, static_cast<int>(max_rays));
     if (smaller_scene.inputs == scene::file::InputRounding::own)
-        return RequestRays{choose::exact_rays(smaller_scene), std::nullopt};
+        return RequestRays{choose::make_ideal_rays(smaller_scene), std::nullopt};
     scene::rays::RayGroup stored_rays{.rays = scene::rays::make_shared_rays(smaller_scene, 0, smaller_scene.height),
-                                      .primitives = scene::rays::shared_primitives(smaller_scene)};
-    return RequestRays{choose::exact_rays(stored_rays), binary32};
+                                      .primitives = scene::rays::make_shared_primitives(smaller_scene)};
+    return RequestRays{choose::make_ideal_rays(stored_rays), binary32};
 }
 
 }  // namespace

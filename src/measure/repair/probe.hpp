@@ -62,9 +62,9 @@ private:
     QualityMeasurer measurer_;
 };
 
-/// Makes the probes that apply to a request, on at most `rays` of its rays, fewer if there are many primitives. Returns
-/// none for a flake or more than 1024 primitives. Forms that count one side of a primitive are not tested in a mirror,
-/// where rays meet the other side.
+/// Makes the probes that apply to a request, on at most `ray_count` of its rays, fewer if there are many primitives.
+/// Returns none for a flake or more than 1024 primitives. Forms that count one side of a primitive are not tested in a
+/// mirror, where rays meet the other side.
 std::vector<std::unique_ptr<Probe>> make_probes(const RepairRequest& request, int ray_count = few_rays_count);
 
 /// Groups of operations that are the same expression up to an exchange of x, y and z; every operation is in one group.

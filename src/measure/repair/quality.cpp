@@ -127,7 +127,7 @@ QualityMeasurer::QualityMeasurer(const RepairRequest& request, const Scene* scen
         return;
     }
     culler_ = std::make_unique<culling::Culler>(*scene);
-    if (scene->pixels() > max_kept_rays) return;
+    if (scene->pixel_count() > max_kept_rays) return;
     const study::Bands bands(*scene);
     for (std::size_t k = 0; k < bands.size(); ++k)
         parts_.push_back(std::make_unique<Part>(request_, bands, k, *culler_));
@@ -141,7 +141,9 @@ QualityMeasurer::QualityMeasurer(const RepairRequest& request, const MovedRays& 
 
 QualityMeasurer::~QualityMeasurer() = default;
 
-std::uint64_t QualityMeasurer::rays() const { return scene_ ? scene_->pixels() : parts_.front()->band.pixels(); }
+std::uint64_t QualityMeasurer::rays() const {
+    return scene_ ? scene_->pixel_count() : parts_.front()->band.pixel_count();
+}
 
 void QualityMeasurer::for_each_part(const std::function<void(const Part&)>& action) {
     for (const auto& part : parts_) action(*part);

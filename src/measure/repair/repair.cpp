@@ -46,7 +46,7 @@ public:
           wider_(wider),
           request_(request),
           measurer_(measurer),
-          operations_(tape::rounded_operations(tape)) {}
+          operations_(tape::find_widenable_operations(tape)) {}
 
     /// `all_wider_quality` is the quality with all operations wider, which meets the requirement.
     WiderSet smallest(const FormQuality& all_wider_quality, std::uint64_t max_sets_per_size) {
@@ -170,9 +170,10 @@ void widen_where_needed(RewrittenForm& rewritten, const RepairResult& result, co
                         QualityMeasurer& measurer, std::uint64_t max_sets_per_size) {
     if (rewritten.quality.meets(request.requirement)) return;
     const Tape unwidened = rewritten.tape;
-    const FormQuality all_wider_quality =
-        measurer.measure_quality({tape::widen_operations(unwidened, tape::rounded_operations(unwidened), result.wider)})
-            .front();
+    const FormQuality all_wider_quality = measurer
+                                              .measure_quality({tape::widen_operations(
+                                                  unwidened, tape::find_widenable_operations(unwidened), result.wider)})
+                                              .front();
     if (!all_wider_quality.meets(request.requirement)) return;
     auto set = find_smallest_set(unwidened, result.wider, all_wider_quality, request, measurer, max_sets_per_size);
     if (result.wider_set && set.operations.size() >= result.wider_set->operations.size()) return;
@@ -200,9 +201,9 @@ public:
     SymmetricSearch(const RepairResult& result, const RepairRequest& request, QualityMeasurer& measurer,
                     std::vector<Probe*> probes)
         : result_(result), request_(request), measurer_(measurer), probes_(std::move(probes)) {
-        const auto example = request.scene ? scene::rays::shared_primitives(*request.scene).front()
+        const auto example = request.scene ? scene::rays::make_shared_primitives(*request.scene).front()
                                            : request.rays->sample.primitives.front();
-        groups_ = find_exchanged_groups(result.tape, tape::rounded_operations(result.tape), example);
+        groups_ = find_exchanged_groups(result.tape, tape::find_widenable_operations(result.tape), example);
     }
 
     /// Tries all sets if there are at most `max_sets_per_size`. Otherwise starts from all groups and removes one after
@@ -280,7 +281,7 @@ using Probes = std::vector<std::unique_ptr<Probe>>;
 
 /// Operations that the repaired form does wider: those of its set, or without a set all of them.
 std::vector<NodeId> operations_to_widen(const RepairResult& result) {
-    return result.wider_set ? result.wider_set->operations : tape::rounded_operations(result.tape);
+    return result.wider_set ? result.wider_set->operations : tape::find_widenable_operations(result.tape);
 }
 
 /// Searches for a symmetric set if the set fails on an exact probe on which the form passes with every operation wider.
@@ -298,7 +299,7 @@ void find_symmetric_set(RepairResult& result, const RepairRequest& request, Qual
 
     // Drops the probes that no set can pass.
     const auto all_wider_qualities =
-        measure_on_probes(widen_operations(result, tape::rounded_operations(result.tape)), probes);
+        measure_on_probes(widen_operations(result, tape::find_widenable_operations(result.tape)), probes);
     std::vector<Probe*> passable;
     fails_exact_probe = false;
     for (std::size_t k = 0; k < probes.size(); ++k) {
@@ -310,7 +311,8 @@ void find_symmetric_set(RepairResult& result, const RepairRequest& request, Qual
 
     result.symmetric = SymmetricSearch(result, request, measurer, passable).search(max_sets_per_size);
     if (result.symmetric)
-        result.symmetric->probed = measure_on_probes(widen_operations(result, result.symmetric->operations), probes);
+        result.symmetric->probe_qualities =
+            measure_on_probes(widen_operations(result, result.symmetric->operations), probes);
 }
 
 /// Measures on the probes the repairs that were found, and finds a symmetric set if the probes call for one.
@@ -322,12 +324,12 @@ void measure_probes(RepairResult& result, const RepairRequest& request, QualityM
 
     const Probes probes = make_probes(request);
     for (const auto& probe : probes) result.probes.push_back(&probe->isometry());
-    if (!probes.empty()) result.probed_rays = probes.front()->measurer().rays();
+    if (!probes.empty()) result.probed_ray_count = probes.front()->measurer().rays();
 
     result.own_probe_qualities = measure_on_probes(result.tape, probes);
     result.set_probe_qualities = measure_on_probes(widen_operations(result, operations_to_widen(result)), probes);
     for (RewrittenForm& rewritten : result.rewriting.forms)
-        rewritten.probed = measure_on_probes(rewritten.tape, probes);
+        rewritten.probe_qualities = measure_on_probes(rewritten.tape, probes);
 
     if (!result.wider_set || result.wider_set->operations.empty()) return;
     find_symmetric_set(result, request, measurer, probes, max_sets_per_size);
@@ -341,14 +343,15 @@ void measure_held_out(RepairResult& result, const RepairRequest& request) {
     if (result.symmetric) tapes.push_back(widen_operations(result, result.symmetric->operations));
 
     if (request.scene) result.held_out_scene = change_pixels(*request.scene);
-    const auto held_out_quality = request.scene ? QualityMeasurer(request, result.held_out_scene).measure_quality(tapes)
-                                                : request.quality_on_all_rays(tapes);
+    const auto held_out_qualities = request.scene
+                                        ? QualityMeasurer(request, result.held_out_scene).measure_quality(tapes)
+                                        : request.quality_on_all_rays(tapes);
 
-    result.own_held_out_quality = held_out_quality[0];
-    result.set_held_out_quality = held_out_quality[1];
+    result.own_held_out_quality = held_out_qualities[0];
+    result.set_held_out_quality = held_out_qualities[1];
     for (std::size_t k = 0; k < result.rewriting.forms.size(); ++k)
-        result.rewriting.forms[k].held_out = held_out_quality[k + 2];
-    if (result.symmetric) result.symmetric->held_out = held_out_quality.back();
+        result.rewriting.forms[k].held_out_quality = held_out_qualities[k + 2];
+    if (result.symmetric) result.symmetric->held_out_quality = held_out_qualities.back();
 }
 
 }  // namespace
@@ -384,7 +387,7 @@ Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& ope
 RepairResult repair_form(const RepairRequest& request, std::uint64_t max_sets_per_size) {
     RepairResult result{.tape = record_tape(request),
                         .wider = tape::wider_format(request.tested_form.format.parameters, request.two_words)};
-    const std::vector<NodeId> all_operations = tape::rounded_operations(result.tape);
+    const std::vector<NodeId> all_operations = tape::find_widenable_operations(result.tape);
     result.rounding_operation_count = all_operations.size();
 
     QualityMeasurer measurer(request);

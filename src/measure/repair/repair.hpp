@@ -34,8 +34,8 @@ using identity::Rule;
 /// Set of operations done wider that treats x, y and z alike: groups of `find_exchanged_groups`.
 struct SymmetricSet {
     std::vector<NodeId> operations;
-    FormQuality quality{}, held_out{};     ///< quality on the scene, and on rays that were not searched on
-    std::vector<FormQuality> probed = {};  ///< quality on each probe
+    FormQuality quality{}, held_out_quality{};      ///< quality on the scene, and on rays that were not searched on
+    std::vector<FormQuality> probe_qualities = {};  ///< quality on each probe
     std::size_t group_count = 0, total_group_count = 0;  ///< number of groups in the set, and of all groups
     bool is_smallest = false;  ///< no set of groups with fewer operations passes: all were tried
 };
@@ -43,12 +43,12 @@ struct SymmetricSet {
 /// A rewritten form, equal to the original in real arithmetic.
 struct RewrittenForm {
     Tape tape;
-    std::vector<const Rule*> rules;            ///< the rules that were applied, in order
-    FormQuality quality{}, held_out{};         ///< quality on the scene, and on rays that were not searched on
-    std::size_t rounding_operation_count = 0;  ///< number of operations that round
+    std::vector<const Rule*> rules;             ///< the rules that were applied, in order
+    FormQuality quality{}, held_out_quality{};  ///< quality on the scene, and on rays that were not searched on
+    std::size_t rounding_operation_count = 0;   ///< number of operations that round
     /// The fewest operations to do wider, if the form meets the requirement only with them; they are wider in `tape`.
     std::optional<WiderSet> wider_set = {};
-    std::vector<FormQuality> probed = {};  ///< quality on each probe
+    std::vector<FormQuality> probe_qualities = {};  ///< quality on each probe
 };
 
 /// Results of the search for rewritten forms.
@@ -112,7 +112,7 @@ struct RepairResult {
     /// operations wider). Empty if no set and no rewritten form meets the requirement.
     std::vector<const Isometry*> probes = {};
     std::vector<FormQuality> own_probe_qualities = {}, set_probe_qualities = {};
-    std::uint64_t probed_rays = 0;               ///< number of rays of each probe
+    std::uint64_t probed_ray_count = 0;          ///< number of rays of each probe
     std::optional<SymmetricSet> symmetric = {};  ///< found if the set fails exact probes
     /// Found if the form does not meet the requirement even with all operations wider.
     std::optional<Obstruction> obstruction = {};
@@ -136,8 +136,8 @@ Tape widen_operations(const RepairResult& repair, const std::vector<NodeId>& ope
 /// Sample of the rays of a request, with the true answers.
 class RaySample {
 public:
-    /// Takes about `rays` rays, evenly over the picture or the file. Each ray comes with the primitive that it truly
-    /// hits, or with the first one.
+    /// Takes about `ray_count` rays, evenly over the picture or the file. Each ray comes with the primitive that it
+    /// truly hits, or with the first one.
     explicit RaySample(const RepairRequest& request, int ray_count = 64);
 
     /// Counts, for each operation of a tape, the rays of the sample on which it is the culprit.

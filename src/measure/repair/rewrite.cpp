@@ -168,7 +168,7 @@ private:
             best.push_back({.tape = tape,
                             .rules = candidate->rules,
                             .quality = candidate->quality,
-                            .rounding_operation_count = tape::rounded_operations(tape).size()});
+                            .rounding_operation_count = tape::find_widenable_operations(tape).size()});
         }
         return best;
     }
@@ -213,7 +213,7 @@ RaySample::RaySample(const RepairRequest& request, int ray_count)
     const auto inputs = band.inputs_for(tested_form.format, *tested_form.form->info);
     const auto& form_rays = inputs.rays_for(*tested_form.form->info);
     const bool takes_unit_directions = tested_form.form->info->direction == intersect::Direction::unit;
-    for (std::size_t i = 0; i < band.pixels(); ++i) {
+    for (std::size_t i = 0; i < band.pixel_count(); ++i) {
         const auto truth = band.truth(i, tested_form.convention());
         const std::size_t primitive = answer::measured_primitive(inputs, i, truth.primitive);
         inputs_.push_back(tape::inputs_of(form_rays[i], inputs.primitives[primitive], band.range(i).tmax));
@@ -249,7 +249,7 @@ bool RaySample::have_same_answers(const Tape& a, const Tape& b) const {
 
 std::size_t estimate_work(const Tape& tape) {
     std::size_t work = 0;
-    for (const NodeId i : tape::rounded_operations(tape))
+    for (const NodeId i : tape::find_widenable_operations(tape))
         work += tape[i].op == TapeOp::div || tape[i].op == TapeOp::sqrt ? 8 : 1;
     return work;
 }

@@ -72,7 +72,7 @@ SourcePattern conversion_in(FileLanguage language, bool to_double) {
     }
 }
 
-std::string digits_in(FileLanguage language, double x, bool is_double) {
+std::string literal_in(FileLanguage language, double x, bool is_double) {
     if (!std::isfinite(x)) return "";
     std::string digits = is_double ? fmt::format("{}", x) : fmt::format("{}", static_cast<float>(x));
     if (digits.find_first_of(".e") == std::string::npos) digits += ".0";

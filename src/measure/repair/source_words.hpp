@@ -26,7 +26,7 @@ SourcePattern operation_pattern(intersect::function::FileLanguage language, Tape
 SourcePattern conversion_in(intersect::function::FileLanguage language, bool to_double);
 
 /// Literal of a float or double; empty if the number is not finite.
-std::string digits_in(intersect::function::FileLanguage language, double x, bool is_double);
+std::string literal_in(intersect::function::FileLanguage language, double x, bool is_double);
 
 /// Beginning of a declaration: `float name = ` or `let name = `.
 std::string declaration_in(intersect::function::FileLanguage language, const std::string& name, bool is_double,

@@ -84,7 +84,7 @@ std::optional<std::string> apply_changes(const std::string& text, std::vector<Te
     return changed_text + text.substr(position);
 }
 
-std::string unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text) {
+std::string make_unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text) {
     const std::vector<DiffLine> lines = compare_lines(split_lines(old_text), split_lines(new_text));
     std::string text = fmt::format("--- {}\n+++ {}\n", path, path);
     std::size_t old_line = 1, new_line = 1;

@@ -19,6 +19,6 @@ struct TextChange {
 std::optional<std::string> apply_changes(const std::string& text, std::vector<TextChange> changes);
 
 /// Difference of two texts as `patch -p0` reads it, with three lines around each change.
-std::string unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text);
+std::string make_unified_diff(const std::string& path, const std::string& old_text, const std::string& new_text);
 
 }  // namespace lostbits::measure::repair

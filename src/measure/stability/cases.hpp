@@ -27,7 +27,7 @@ public:
         max_runs_ = max_runs;
         answers_.clear();
         contradiction_.clear();
-        runs_ = 0;
+        run_count_ = 0;
         Near::OpenComparisons* const outer_open = Near::open_comparisons;
         Near::open_comparisons = this;
         const bool is_same = holds_in_remaining_cases(run);
@@ -74,7 +74,7 @@ private:
         is_open_ = false;
         known_.clear();
         watched_.clear();
-        const bool is_last_run = ++runs_ > max_runs_;
+        const bool is_last_run = ++run_count_ > max_runs_;
         const auto [known, expected] = run();
         if (known && expected) return true;
         if (known || !is_open_ || is_last_run) {
@@ -98,7 +98,7 @@ private:
 
     std::vector<bool> answers_;  ///< answers to the first open comparisons
     std::size_t used_answers_ = 0;
-    int runs_ = 0, max_runs_ = 0;
+    int run_count_ = 0, max_runs_ = 0;
     bool is_open_ = false;  ///< a later comparison is open: that of `open_number_` with 0
     Near open_number_;
     std::vector<KnownSign> known_;

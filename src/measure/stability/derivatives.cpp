@@ -82,7 +82,7 @@ bool any_crossing(const Ray<double>& ray, const Primitive<double>& primitive, Ra
 
 }  // namespace
 
-std::vector<double> forward_derivatives(const Tape& tape) {
+std::vector<double> compute_forward_derivatives(const Tape& tape) {
     std::vector<double> derivatives;
     for (NodeId i = 0; i < tape.size(); ++i)
         if (tape[i].op == TapeOp::input) derivatives.push_back(Tangents(tape, i).at(tape.outputs.t));

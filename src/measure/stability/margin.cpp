@@ -16,13 +16,13 @@ namespace {
 
 constexpr double min_change = 0x1p-90, max_change = 0.5;
 
-/// Largest ε for which `holds` is proved, to a factor of 2^(1/16), or of 2 from `most_tight` on, and at most
+/// Largest ε for which `holds` is proved, to a factor of 2^(1/16), or of 2 from `max_tight_margin` on, and at most
 /// `max_change`; 0 if not even `min_change` is proved. A proof for ε also proves every smaller ε. After each ε that
 /// is not proved, `guess()` estimates the largest ε, or returns 0. Two of three steps use the estimate; the third
 /// halves the interval of exponents.
 template <class Holds, class Guess>
-double largest_epsilon(const Holds& holds, const Guess& guess) {
-    const double least = std::log2(min_change), most = std::log2(max_change), tight = std::log2(most_tight);
+double find_largest_epsilon(const Holds& holds, const Guess& guess) {
+    const double least = std::log2(min_change), most = std::log2(max_change), tight = std::log2(max_tight_margin);
     double low = least, high = most, exponent = -24, step_down = 8;
     bool is_low = false, is_high = false;
     for (int step = 0;; ++step) {
@@ -42,7 +42,7 @@ double largest_epsilon(const Holds& holds, const Guess& guess) {
 }
 /// Largest ε without a guess, and to a factor of 2^(1/16) everywhere.
 template <class Holds>
-double largest_epsilon(const Holds& holds) {
+double find_largest_epsilon(const Holds& holds) {
     if (!holds(min_change)) return 0;
     if (holds(max_change)) return max_change;
     double low = std::log2(min_change), high = std::log2(max_change);
@@ -55,17 +55,16 @@ double largest_epsilon(const Holds& holds) {
 
 /// Side of m on which the answers of all rays that hit lie; rays may miss. −1 and +1 prove that no answer is m.
 template <class S>
-std::optional<int> side_if_any(const S& span, const Near& m, const SpanRange<Near>* range,
-                               intersect::Convention convention) {
+std::optional<int> find_side(const S& span, const Near& m, const SpanRange<Near>* range,
+                             intersect::Convention convention) {
     return side_of<Near>(span, m, Length::parameter, range, convention);
 }
-std::optional<int> side_if_any(const FlatSpan<Near>& span, const Near& m, const SpanRange<Near>*,
-                               intersect::Convention) {
+std::optional<int> find_side(const FlatSpan<Near>& span, const Near& m, const SpanRange<Near>*, intersect::Convention) {
     return side_of_fraction(span.at, span.d2, m, Length::parameter);
 }
 /// The largest entry lies after m if any entry does, and before m if all entries do.
-std::optional<int> side_if_any(const SlabSpan<Near>& span, const Near& m, const SpanRange<Near>* range,
-                               intersect::Convention convention) {
+std::optional<int> find_side(const SlabSpan<Near>& span, const Near& m, const SpanRange<Near>* range,
+                             intersect::Convention convention) {
     const bool is_exit =
         !(span.entry[0].n > Near(0) || span.entry[1].n > Near(0) || span.entry[2].n > Near(0)).is_yes();
     if (range || is_exit) return side_of<Near>(span, m, Length::parameter, range, convention);
@@ -85,7 +84,7 @@ namespace {
 template <class E>
 std::optional<SpanDecision> decide_exactly(const QuarticSpan<E>& span, const SpanRange<E>* range,
                                            intersect::Convention convention) {
-    const RootHit<E> found_root = root_hit(span, range, convention);
+    const RootHit<E> found_root = find_root_hit(span, range, convention);
     if (found_root.hit.is_unknown()) return std::nullopt;
     const auto maximum = CriticalPoints(span).maximum();
     if (found_root.hit.is_no() || found_root.root < 0 || !maximum)
@@ -160,7 +159,7 @@ public:
                              epsilon,
                              [&](const auto&... problem) {
                                  return cases_.holds_in_all([&] { return outcome_of(problem...); },
-                                                            epsilon < most_tight && start.scale == 0 ? 24 : 8);
+                                                            epsilon < max_tight_margin && start.scale == 0 ? 24 : 8);
                              },
                              start);
         if (is_same) return true;
@@ -283,13 +282,13 @@ private:
 }  // namespace
 
 Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
-                   Perturbed perturbed, intersect::Convention convention, Range<double> range) {
+                   Perturbation perturbation, intersect::Convention convention, Range<double> range) {
     if (!is_valid(ray) || !is_valid(primitive)) return {0, 0};
-    const MarginQuestion question(ray, primitive, perturbed, convention, range);
+    const MarginQuestion question(ray, primitive, perturbation, convention, range);
     Decision decision(question, counted);
     const double proved =
-        largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
-    if (proved >= most_tight) return {proved, HUGE_VAL};
+        find_largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
+    if (proved >= max_tight_margin) return {proved, HUGE_VAL};
     const double epsilon = std::max(2 * proved, 2 * min_change);
     static_cast<void>(decision.holds(epsilon));
     const auto change = decision.find_change(epsilon);
@@ -297,10 +296,10 @@ Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive, C
 }
 
 std::optional<bool> changes_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
-                                   CountedChange counted, Perturbed perturbed, intersect::Convention convention,
+                                   CountedChange counted, Perturbation perturbation, intersect::Convention convention,
                                    Range<double> range) {
     if (!is_valid(ray) || !is_valid(primitive)) return std::nullopt;
-    const MarginQuestion question(ray, primitive, perturbed, convention, range);
+    const MarginQuestion question(ray, primitive, perturbation, convention, range);
     Decision decision(question, counted);
     if (decision.holds(epsilon)) return false;
     return decision.find_change(epsilon) ? std::optional(true) : std::nullopt;
@@ -321,8 +320,8 @@ double relative_gap(const Ray<double>& ray, const Primitive<double>& primitive) 
 
 }  // namespace
 
-std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
-                             intersect::Convention convention, Range<double> range) {
+std::size_t find_nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
+                                  intersect::Convention convention, Range<double> range) {
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < primitives.size(); ++i) order.emplace_back(relative_gap(ray, primitives[i]), i);
     std::ranges::sort(order);
@@ -332,11 +331,11 @@ std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::Primitiv
         if (ray_gap > 8 * least) break;
         const Primitive<double> primitive = primitives[i];
         if (!is_valid(ray) || !is_valid(primitive)) continue;
-        const MarginQuestion question(ray, primitive, Perturbed::componentwise, convention, range);
+        const MarginQuestion question(ray, primitive, Perturbation::componentwise, convention, range);
         Decision decision(question, CountedChange::root);
         if (least < HUGE_VAL && decision.holds(least)) continue;
-        const double margin =
-            largest_epsilon([&](double epsilon) { return decision.holds(epsilon); }, [&] { return decision.guess(); });
+        const double margin = find_largest_epsilon([&](double epsilon) { return decision.holds(epsilon); },
+                                                   [&] { return decision.guess(); });
         if (margin < least) {
             least = margin;
             nearest = i;
@@ -366,23 +365,23 @@ bool is_off_quartic(const Ray<Near>& ray, const Primitive<Near>& primitive, cons
 
 }  // namespace
 
-double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
-                       Perturbed perturbed, intersect::Convention convention, Range<double> range) {
-    const Margin margin = find_margin(ray, primitive, counted, perturbed, convention, range);
+double find_decision_margin(const Ray<double>& ray, const Primitive<double>& primitive, CountedChange counted,
+                            Perturbation perturbation, intersect::Convention convention, Range<double> range) {
+    const Margin margin = find_margin(ray, primitive, counted, perturbation, convention, range);
     return margin.is_tight() ? margin.proved : missing;
 }
 
-double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t, Perturbed perturbed,
+double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t, Perturbation perturbation,
                       intersect::Convention convention, Range<double> range) {
     if (!(t > 0)) return std::nan("");
     if (!is_valid(ray) || !is_valid(primitive) || std::isinf(t)) return 0;
-    const MarginQuestion question(ray, primitive, perturbed, convention, range);
+    const MarginQuestion question(ray, primitive, perturbation, convention, range);
     const Near enclosed_t(question.to_problem_units(t));
-    return largest_epsilon([&](double epsilon) {
+    return find_largest_epsilon([&](double epsilon) {
         return question.holds_for_all_within(epsilon, [&](const auto& enclosed_ray, const auto& enclosed_primitive,
                                                           const auto* span_range, const auto& span_convention) {
             const auto side = with_span(enclosed_ray, enclosed_primitive, [&](const auto& span) {
-                return side_if_any(span, enclosed_t, span_range, span_convention);
+                return find_side(span, enclosed_t, span_range, span_convention);
             });
             return (side && *side != 0) || is_off_quartic(enclosed_ray, enclosed_primitive, enclosed_t);
         });

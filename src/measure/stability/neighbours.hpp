@@ -29,8 +29,8 @@ struct InputChange {
 /// component of d are about 1; the choice of units does not change any answer.
 class ChangedProblems {
 public:
-    ChangedProblems(const Ray<double>& ray, const Primitive<double>& primitive, Perturbed perturbed)
-        : ray_(ray), primitive_(primitive), is_normwise_(perturbed == Perturbed::normwise) {
+    ChangedProblems(const Ray<double>& ray, const Primitive<double>& primitive, Perturbation perturbation)
+        : ray_(ray), primitive_(primitive), is_normwise_(perturbation == Perturbation::normwise) {
         for (int i = 0; i < 3; ++i) {
             numbers_[i] = ray.origin[i];
             numbers_[static_cast<std::size_t>(i) + 3] = ray.direction[i];
@@ -45,7 +45,7 @@ public:
         if (primitive.transform) {
             // The linear part of a matrix needs no unit: world space and object space have the same one.
             for (std::size_t k = 0; k < 12; ++k)
-                numbers_[matrix_begin_ + k] = primitive.transform->matrix[place_in_matrix(k)];
+                numbers_[matrix_begin_ + k] = primitive.transform->matrix[index_in_matrix(k)];
             add_vector(InputUnit::unitless, 9), add_vector(InputUnit::length, 3);
         }
         for (std::size_t i = 0; i < number_count_; ++i)
@@ -98,7 +98,7 @@ public:
         if (primitive_.transform) {
             enclosures.primitive.transform = convert_numbers(*primitive_.transform, [](double) { return Near(0); });
             for (std::size_t k = matrix_begin_; k < number_count_; ++k)
-                enclosures.primitive.transform->matrix[place_in_matrix(k - matrix_begin_)] = number(k);
+                enclosures.primitive.transform->matrix[index_in_matrix(k - matrix_begin_)] = number(k);
         }
         return enclosures;
     }
@@ -130,7 +130,7 @@ public:
             }
             for (std::size_t i = 6; i < matrix_begin_; ++i) shift(to_primitive.numbers[i - 6], i);
             for (std::size_t i = matrix_begin_; i < number_count_; ++i)
-                shift(to_primitive.transform->matrix[place_in_matrix(i - matrix_begin_)], i);
+                shift(to_primitive.transform->matrix[index_in_matrix(i - matrix_begin_)], i);
         };
 
         // Doubles are enough to tell whether the changed problem is proper.
@@ -176,9 +176,9 @@ bool is_always_proper(const Primitive<Near>& primitive) {
 /// A problem with its convention and range, for questions about all problems near it.
 class MarginQuestion {
 public:
-    MarginQuestion(const Ray<double>& ray, const Primitive<double>& primitive, Perturbed perturbed,
+    MarginQuestion(const Ray<double>& ray, const Primitive<double>& primitive, Perturbation perturbation,
                    intersect::Convention convention, Range<double> range)
-        : neighbours_(ray, primitive, perturbed) {
+        : neighbours_(ray, primitive, perturbation) {
         if (convention.endless) range.tmax = HUGE_VAL;
         convention_ = convention_in(range, convention.for_shape(primitive.shape));
         range_in_world_ = range;

@@ -100,7 +100,7 @@ double RandomRuns::correct_bits(int precision) const {
     return bits > 0 ? std::min<double>(bits, precision) : 0;
 }
 
-double statistical_bound(const Tape& tape, const Attribution& attribution) {
+double compute_statistical_bound(const Tape& tape, const Attribution& attribution) {
     double squares = 0;
     for (NodeId i = 0; i < tape.size(); ++i) {
         const OperationError& error = attribution.errors[i];

@@ -150,7 +150,7 @@ private:
 
     /// True if `sign` times f is proved positive from `low` to `high`, for all problems.
     [[nodiscard]] bool is_positive_from(double low, double high, int sign) {
-        pieces_ = 0;
+        piece_count_ = 0;
         const double bound = span_.bound.highest() * (1 + 0x1p-40);
         if (sign > 0) low = std::max(low, -bound);
         double proved_to = low;
@@ -185,7 +185,7 @@ private:
 
     [[nodiscard]] bool is_positive(double low, double high, int sign) {
         if (!(low < high)) return true;
-        if (++pieces_ > max_pieces) return false;
+        if (++piece_count_ > max_pieces) return false;
         const double middle = low + (high - low) / 2,
                      half_width = std::max(high - middle, middle - low) * (1 + 0x1p-50);
         const auto [c] = TaylorExpansion(span_.f, middle, sign);
@@ -207,7 +207,7 @@ private:
     CriticalPoints critical_points_;
     Near begin_;
     std::optional<Near> end_;
-    int pieces_ = 0;
+    int piece_count_ = 0;
 };
 
 }  // namespace lostbits::measure::stability

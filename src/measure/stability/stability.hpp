@@ -14,13 +14,13 @@
 
 namespace lostbits::measure::stability {
 
-using truth::Perturbed;
+using truth::Perturbation;
 
 /// Changes that count: only of hit or miss, or also of the root that is hit.
 enum class CountedChange : std::uint8_t { decision, root };
 
 /// Margins from here on are proved, but the least change may be several times as large.
-inline constexpr double most_tight = 0x1p-10;
+inline constexpr double max_tight_margin = 0x1p-10;
 
 /// Amounts added to the numbers of origin, direction, primitive and matrix, in this order.
 using Amounts = std::array<double, 6 + max_primitive_number_count>;
@@ -31,7 +31,7 @@ struct Margin {
     double reached;               ///< a change of this size changes the answer; infinite if none was found
     Amounts reached_change = {};  ///< the amounts of the change of that size
 
-    [[nodiscard]] bool is_tight() const { return reached <= 2 * proved || proved >= most_tight || is_zero(); }
+    [[nodiscard]] bool is_tight() const { return reached <= 2 * proved || proved >= max_tight_margin || is_zero(); }
     /// True if changes of 2^-89 change the answer.
     [[nodiscard]] bool is_zero() const { return proved == 0 && reached < 0x1p-80; }
 };
@@ -39,30 +39,31 @@ struct Margin {
 /// Relative change within which the answer is the same, for every problem: each number x of ray and primitive changes
 /// by at most ε|x| (`componentwise`), or each vector and length v by ε|v| (`normwise`). `proved` is at most 1/2.
 Margin find_margin(const Ray<double>& ray, const Primitive<double>& primitive,
-                   CountedChange counted = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
+                   CountedChange counted = CountedChange::root, Perturbation perturbation = Perturbation::componentwise,
                    intersect::Convention convention = {}, Range<double> range = {});
 
 /// The proved margin; NaN if it is below 2^-10 and no change of at most twice its size is found that changes the
 /// answer.
-double decision_margin(const Ray<double>& ray, const Primitive<double>& primitive,
-                       CountedChange counted = CountedChange::root, Perturbed perturbed = Perturbed::componentwise,
-                       intersect::Convention convention = {}, Range<double> range = {});
+double find_decision_margin(const Ray<double>& ray, const Primitive<double>& primitive,
+                            CountedChange counted = CountedChange::root,
+                            Perturbation perturbation = Perturbation::componentwise,
+                            intersect::Convention convention = {}, Range<double> range = {});
 
 /// Decides whether a change of at most ε changes the answer: true with an example, false with a proof, otherwise
 /// nothing.
 std::optional<bool> changes_within(double epsilon, const Ray<double>& ray, const Primitive<double>& primitive,
                                    CountedChange counted = CountedChange::root,
-                                   Perturbed perturbed = Perturbed::componentwise,
+                                   Perturbation perturbation = Perturbation::componentwise,
                                    intersect::Convention convention = {}, Range<double> range = {});
 
 /// Index of the primitive with the least margin, for a ray that misses all of them.
-std::size_t nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
-                             intersect::Convention convention = {}, Range<double> range = {});
+std::size_t find_nearest_decision(const Ray<double>& ray, const scene::rays::PrimitiveList<double>& primitives,
+                                  intersect::Convention convention = {}, Range<double> range = {});
 
 /// Lower bound of the backward error of t: for a ray that hits, no problem within a relative change of ε has the answer
 /// t. At most 1/2; 0 if t is right or if nothing can be proved. NaN for a t that is not above 0.
 double backward_error(const Ray<double>& ray, const Primitive<double>& primitive, double t,
-                      Perturbed perturbed = Perturbed::componentwise, intersect::Convention convention = {},
+                      Perturbation perturbation = Perturbation::componentwise, intersect::Convention convention = {},
                       Range<double> range = {});
 
 using attribution::Attribution;
@@ -86,12 +87,12 @@ struct RandomRuns {
 /// √Σ (adjointᵢ · ulp(vᵢ)/2)² over the operations that round. If the error is a sum of independent errors of mean 0, it
 /// exceeds λ times this bound with probability 2 exp(−λ²/2) at most (Hoeffding; Higham and Mary, A new approach to
 /// probabilistic rounding error analysis, 2019). The subject of the attribution must be a number.
-double statistical_bound(const Tape& tape, const Attribution& attribution);
+double compute_statistical_bound(const Tape& tape, const Attribution& attribution);
 
 /// ∂t/∂x of each input x of a tape, in the order of the inputs, by forward differentiation: the chain rule for each
 /// operation, with the tape's values. Each operation of the derivative is rounded to the format of the tape's operation
 /// (as `Dual` of that format does). NaN if t is computed by a call, whose rule is not on the tape.
-std::vector<double> forward_derivatives(const Tape& tape);
+std::vector<double> compute_forward_derivatives(const Tape& tape);
 
 /// True if t belongs to another crossing of the ray's line, ahead or behind, with the surface that the ray truly hits
 /// at `truth`: t is nearer to that crossing than a quarter of its distance from the true one. Checks the three

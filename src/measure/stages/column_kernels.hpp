@@ -78,39 +78,39 @@ template <ColumnOperation operation, class P>
 struct WordStep {
     static constexpr std::size_t columns = column_count_of(operation);
     template <class Cursor>
-    [[gnu::always_inline]] static void run(const Cursor& c) {
+    [[gnu::always_inline]] static void run(const Cursor& cursor) {
         using enum ColumnOperation;
         using lostbits::abs;
         using lostbits::max;
 
         // Arithmetic
-        if constexpr (operation == add) c.store(2, c.word(0) + c.word(1));
-        else if constexpr (operation == subtract) c.store(2, c.word(0) - c.word(1));
-        else if constexpr (operation == multiply) c.store(2, c.word(0) * c.word(1));
-        else if constexpr (operation == divide) c.store(2, c.word(0) / c.word(1));
-        else if constexpr (operation == negate) c.store(1, -c.word(0));
-        else if constexpr (operation == absolute) c.store(1, abs(c.word(0)));
-        else if constexpr (operation == maximum) c.store(2, max(c.word(0), c.word(1)));
-        else if constexpr (operation == ColumnOperation::power_at_most) c.store(1, binade(c.word(0)));
-        else if constexpr (operation == choose) c.store(3, select(c.mask(0), c.word(1), c.word(2)));
+        if constexpr (operation == add) cursor.store(2, cursor.word(0) + cursor.word(1));
+        else if constexpr (operation == subtract) cursor.store(2, cursor.word(0) - cursor.word(1));
+        else if constexpr (operation == multiply) cursor.store(2, cursor.word(0) * cursor.word(1));
+        else if constexpr (operation == divide) cursor.store(2, cursor.word(0) / cursor.word(1));
+        else if constexpr (operation == negate) cursor.store(1, -cursor.word(0));
+        else if constexpr (operation == absolute) cursor.store(1, abs(cursor.word(0)));
+        else if constexpr (operation == maximum) cursor.store(2, max(cursor.word(0), cursor.word(1)));
+        else if constexpr (operation == ColumnOperation::power_at_most) cursor.store(1, binade(cursor.word(0)));
+        else if constexpr (operation == choose) cursor.store(3, select(cursor.mask(0), cursor.word(1), cursor.word(2)));
 
         // Decisions
-        else if constexpr (operation == less) c.store(2, c.word(0) < c.word(1));
-        else if constexpr (operation == at_most) c.store(2, c.word(0) <= c.word(1));
-        else if constexpr (operation == mask_and) c.store(2, c.mask(0) && c.mask(1));
-        else if constexpr (operation == mask_or) c.store(2, c.mask(0) || c.mask(1));
-        else if constexpr (operation == mask_not) c.store(1, !c.mask(0));
+        else if constexpr (operation == less) cursor.store(2, cursor.word(0) < cursor.word(1));
+        else if constexpr (operation == at_most) cursor.store(2, cursor.word(0) <= cursor.word(1));
+        else if constexpr (operation == mask_and) cursor.store(2, cursor.mask(0) && cursor.mask(1));
+        else if constexpr (operation == mask_or) cursor.store(2, cursor.mask(0) || cursor.mask(1));
+        else if constexpr (operation == mask_not) cursor.store(1, !cursor.mask(0));
 
         // Operations of the stages
         else if constexpr (operation == order_of_first_words) {
-            const auto order = certain_order(c.word(0), c.word(1), c.word(2));
-            c.store(3, order.less.yes());
-            c.store(4, order.less.no());
-            c.store(5, order.at_most.yes());
-            c.store(6, order.at_most.no());
+            const auto order = certain_order(cursor.word(0), cursor.word(1), cursor.word(2));
+            cursor.store(3, order.less.yes());
+            cursor.store(4, order.less.no());
+            cursor.store(5, order.at_most.yes());
+            cursor.store(6, order.at_most.no());
         } else if constexpr (operation == first_root_of_quartic) {
-            const QuarticChain<P> chain(c.word(0), c.word(1), c.word(2), c.word(3));
-            c.store(6, approximate_first_root(chain, c.word(4), c.word(5), newton_steps));
+            const QuarticChain<P> chain(cursor.word(0), cursor.word(1), cursor.word(2), cursor.word(3));
+            cursor.store(6, approximate_first_root(chain, cursor.word(4), cursor.word(5), newton_steps));
         }
     }
 };
@@ -134,23 +134,23 @@ struct BoundedOperands {
         return index_of(count) + (is_decision || !has_two ? 2 : 3);
     }
     template <std::size_t k, class Cursor>
-    [[gnu::always_inline]] static E load(const Cursor& c) {
+    [[gnu::always_inline]] static E load(const Cursor& cursor) {
         constexpr std::size_t index = index_of(k);
-        if constexpr ((exact_mask >> k & 1) != 0) return E(W(c.word(index)), P(0));
-        else if constexpr (has_two) return E(W(c.word(index), c.word(index + 1)), c.word(index + 2));
-        else return E(c.word(index), c.word(index + 1));
+        if constexpr ((exact_mask >> k & 1) != 0) return E(W(cursor.word(index)), P(0));
+        else if constexpr (has_two) return E(W(cursor.word(index), cursor.word(index + 1)), cursor.word(index + 2));
+        else return E(cursor.word(index), cursor.word(index + 1));
     }
     template <class Cursor>
-    [[gnu::always_inline]] static void store(const Cursor& c, const E& x) {
+    [[gnu::always_inline]] static void store(const Cursor& cursor, const E& x) {
         constexpr std::size_t index = index_of(count);
-        c.store(index, x.first());
-        if constexpr (has_two) c.store(index + 1, x.second());
-        c.store(index + (has_two ? 2 : 1), x.bound());
+        cursor.store(index, x.first());
+        if constexpr (has_two) cursor.store(index + 1, x.second());
+        cursor.store(index + (has_two ? 2 : 1), x.bound());
     }
     template <class Cursor>
-    [[gnu::always_inline]] static void store(const Cursor& c, const TriMask<mask_t<P>>& x) {
-        c.store(index_of(count), x.yes());
-        c.store(index_of(count) + 1, x.no());
+    [[gnu::always_inline]] static void store(const Cursor& cursor, const TriMask<mask_t<P>>& x) {
+        cursor.store(index_of(count), x.yes());
+        cursor.store(index_of(count) + 1, x.no());
     }
 };
 
@@ -180,14 +180,14 @@ struct BoundedStep {
     static constexpr std::size_t columns = Operands::columns(is_decision);
 
     template <class Cursor>
-    [[gnu::always_inline]] static void run(const Cursor& c) {
-        run(c, std::make_index_sequence<count>());
+    [[gnu::always_inline]] static void run(const Cursor& cursor) {
+        run(cursor, std::make_index_sequence<count>());
     }
 
 private:
     template <class Cursor, std::size_t... k>
-    [[gnu::always_inline]] static void run(const Cursor& c, std::index_sequence<k...>) {
-        Operands::store(c, result_of<operation>(Operands::template load<k>(c)...));
+    [[gnu::always_inline]] static void run(const Cursor& cursor, std::index_sequence<k...>) {
+        Operands::store(cursor, result_of<operation>(Operands::template load<k>(cursor)...));
     }
 };
 
@@ -246,7 +246,7 @@ private:
 };
 
 template <class P>
-ColumnKernels column_kernels() {
+ColumnKernels make_column_kernels() {
     ColumnKernels kernels{.lanes = P::lanes,
                           .load_floats = ColumnMoves<P>::template load<float>,
                           .load_doubles = ColumnMoves<P>::template load<double>,

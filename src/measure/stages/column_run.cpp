@@ -169,13 +169,13 @@ ColumnRun::ColumnRun(const ColumnProgram& program, const ColumnKernels& kernels,
 }
 
 template <class S>
-void ColumnRun::run(const RawProblems<S>& p) const {
-    const auto column = [&p](std::size_t input) -> const RawColumn<S>& {
-        if (input == input_of_tmin) return p.tmin;
-        if (input == input_of_tmax) return p.tmax;
-        if (input >= input_of_primitive_low) return p.primitive_low[input - input_of_primitive_low];
-        if (input >= input_of_ray_low) return p.ray_low[input - input_of_ray_low];
-        return input >= input_of_primitive ? p.primitive[input - input_of_primitive] : p.ray[input];
+void ColumnRun::run(const RawProblems<S>& problems) const {
+    const auto column = [&problems](std::size_t input) -> const RawColumn<S>& {
+        if (input == input_of_tmin) return problems.tmin;
+        if (input == input_of_tmax) return problems.tmax;
+        if (input >= input_of_primitive_low) return problems.primitive_low[input - input_of_primitive_low];
+        if (input >= input_of_ray_low) return problems.ray_low[input - input_of_ray_low];
+        return input >= input_of_primitive ? problems.primitive[input - input_of_primitive] : problems.ray[input];
     };
     const auto load = [&](const std::vector<Input>& inputs, double* scratch, std::size_t first,
                           std::size_t pack_count) {
@@ -193,8 +193,8 @@ void ColumnRun::run(const RawProblems<S>& p) const {
     load(shared_inputs_, scratch, 0, 1);
     for (const Step& step : shared_steps_) step.kernel(scratch, step.operands, 1);
 
-    for (std::size_t first = 0; first < p.size; first += block_size) {
-        const std::size_t pack_count = std::min(block_size, p.size - first) / lanes;
+    for (std::size_t first = 0; first < problems.size; first += block_size) {
+        const std::size_t pack_count = std::min(block_size, problems.size - first) / lanes;
         load(ray_inputs_, scratch, first, pack_count);
         run_block(scratch, pack_count);
 
@@ -202,16 +202,16 @@ void ColumnRun::run(const RawProblems<S>& p) const {
         const auto cells = [&](std::size_t output) {
             return ColumnCells{scratch + outputs_[output].offset, outputs_[output].step};
         };
-        kernels_->store_mask(cells(output_settled), p.out.settled + first, pack_count);
-        kernels_->store_mask(cells(output_hit), p.out.hit + first, pack_count);
+        kernels_->store_mask(cells(output_settled), problems.out.settled + first, pack_count);
+        kernels_->store_mask(cells(output_hit), problems.out.hit + first, pack_count);
         const auto store_length = [&](std::size_t output, const RawLength& length) {
             if (!length.hi) return;
             double* const columns[3] = {length.hi + first, length.lo + first, length.bound + first};
             for (std::size_t k = 0; k < 3; ++k)
                 kernels_->store_where(cells(output_hit), cells(output + k), columns[k], pack_count);
         };
-        store_length(output_t, p.out.t);
-        store_length(output_distance, p.out.distance);
+        store_length(output_t, problems.out.t);
+        store_length(output_distance, problems.out.distance);
     }
 }
 

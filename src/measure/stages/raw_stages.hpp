@@ -56,7 +56,7 @@ struct RawProblems {
 
 /// Problems without columns: `size` of them, whose columns are set later.
 template <class S>
-RawProblems<S> raw_problems(std::size_t size, const RawFindings& out) {
+RawProblems<S> make_raw_problems(std::size_t size, const RawFindings& out) {
     return {{}, {}, {}, {}, false, {}, {}, false, {}, {}, out, size};
 }
 
@@ -91,7 +91,7 @@ struct ColumnKernels {
     std::size_t lanes;
     std::array<WordKernels, 2> by_words{};  ///< for bounded numbers of one word, and of two
 
-    /// Copy `packs` packs of a column, from the ray `first` on.
+    /// Copy `pack_count` packs of a column, from the ray `first` on.
     void (*load_floats)(const RawColumn<float>& from, std::size_t first, double* to, std::size_t pack_count);
     void (*load_doubles)(const RawColumn<double>& from, std::size_t first, double* to, std::size_t pack_count);
     void (*repeat)(double x, double* to);

@@ -145,7 +145,7 @@ struct QuickSlabs {
     mask_t<typename RunningError<W>::P> is_precise;
 };
 template <class W>
-QuickSlabs<W> quick_slabs(const SlabSpan<RunningError<W>>& span) {
+QuickSlabs<W> to_quick_slabs(const SlabSpan<RunningError<W>>& span) {
     using E = RunningError<W>;
     using P = typename E::P;
     using lostbits::abs;
@@ -172,7 +172,7 @@ template <class W>
 SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& span) {
     using E = RunningError<W>;
     using Quick = ByFirstWord<W>;
-    const auto [slabs, is_precise] = quick_slabs(span);
+    const auto [slabs, is_precise] = to_quick_slabs(span);
     const SlabHit<Quick> in = slab_hit(slabs);
     const Fraction<Quick> entry = largest_entry(slabs);
     const auto at_origin = (entry.n <= Quick(0)).yes(), hit = is_precise && in.open.yes(),
@@ -188,7 +188,7 @@ SpanHit<RunningError<W>> first_span_hit(const SlabSpan<RunningError<W>>& span,
                                         const SpanRange<RunningError<W>>& range) {
     using E = RunningError<W>;
     using Quick = ByFirstWord<W>;
-    const auto [slabs, is_precise] = quick_slabs(span);
+    const auto [slabs, is_precise] = to_quick_slabs(span);
     const SpanRange<Quick> quick_range{Quick(range.begin), {Quick(range.end.n), Quick(range.end.m)}, range.open_ends};
     const SlabHit<Quick> in = slab_hit(slabs, quick_range);
     const Fraction<Quick> entry = largest_entry(slabs, quick_range);
@@ -269,8 +269,8 @@ struct BoundaryHit {
     E t;
 };
 template <class W>
-BoundaryHit<RunningError<W>> boundary_hit(const CappedSpan<RunningError<W>>& span,
-                                          const mask_t<typename RunningError<W>::P>& far) {
+BoundaryHit<RunningError<W>> find_boundary_hit(const CappedSpan<RunningError<W>>& span,
+                                               const mask_t<typename RunningError<W>::P>& far) {
     using E = RunningError<W>;
     const auto near_cap = span.enters_by_cap(), far_cap = span.leaves_by_cap();
     const auto by_cap = (!far && near_cap.yes()) || (far && far_cap.yes());
@@ -280,8 +280,8 @@ BoundaryHit<RunningError<W>> boundary_hit(const CappedSpan<RunningError<W>>& spa
                                    select(by_cap, span.planes_entry.m, root.m)};
 }
 template <class W>
-BoundaryHit<RunningError<W>> boundary_hit(const JoinedSpan<RunningError<W>>& span,
-                                          const mask_t<typename RunningError<W>::P>& far) {
+BoundaryHit<RunningError<W>> find_boundary_hit(const JoinedSpan<RunningError<W>>& span,
+                                               const mask_t<typename RunningError<W>::P>& far) {
     using P = typename RunningError<W>::P;
     const QuadraticSpan<RunningError<W>> quadratic{
         select(far, span.leave.h, span.enter.h), select(far, span.leave.c, span.enter.c),
@@ -302,7 +302,7 @@ SpanHit<E> first_span_hit_from(const S& s, const Begin& begin, const mask_t<E>& 
     const auto missed = s.meets_closed().no() || leaves.less.yes() || (enters.at_most.no() && entry_in_range.no()) ||
                         (enters.less.yes() && exit_in_range.no());
     if (is_unset(hits_near || hits_far)) return {no_lane, missed, no_lane, E(1)};
-    const BoundaryHit<E> boundary = boundary_hit(s, hits_far);
+    const BoundaryHit<E> boundary = find_boundary_hit(s, hits_far);
     return {(hits_near || hits_far) && boundary.known, missed, no_lane, boundary.t};
 }
 template <class W, template <class> class Span>

@@ -144,7 +144,7 @@ struct ObjectSpaceMap {
 /// Returns the enclosure of a length, and clears `hit` in the lanes in which the length is neither `exact` nor known
 /// closely enough. The length is 0 in lanes in which `at_origin` is set.
 template <class E, class P = typename E::P>
-Enclosure<P> accepted_length(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
+Enclosure<P> accept_length(const E& length, const mask_t<P>& at_origin, const mask_t<P>& exact, mask_t<P>& hit) {
     const P zero(0);
     const Enclosure<P> x = enclosure_of(length);
     hit = hit && (exact || is_close(length));
@@ -168,9 +168,9 @@ Finding<P> settle_shape(const ObjectSpaceProblem<S<E>, E>& problem, const Reques
     const Enclosure<P> no_length{{P(0), P(0)}, P(0)};
     Finding<P> found{missed, hit, no_length, no_length};
     if (is_unset(hit)) return found;
-    if (requested.t) found.t = accepted_length(span_hit.t, span_hit.at_origin, span_hit.at_origin, hit);
+    if (requested.t) found.t = accept_length(span_hit.t, span_hit.at_origin, span_hit.at_origin, hit);
     if (requested.distance)
-        found.distance = accepted_length(span_hit.t * sqrt(problem.d2), span_hit.at_origin, span_hit.at_origin, hit);
+        found.distance = accept_length(span_hit.t * sqrt(problem.d2), span_hit.at_origin, span_hit.at_origin, hit);
     found.settled = hit || missed;
     found.hit = hit;
     return found;

@@ -105,7 +105,7 @@ template <class P>
 
 template <class P>
 void fill_stages(RawStages& kernels) {
-    kernels = {column_kernels<P>(), settle_unit_directions<P>, {}};
+    kernels = {make_column_kernels<P>(), settle_unit_directions<P>, {}};
     Primitives::each([&]<template <class> class ShapeOver>() {
         constexpr std::size_t count = number_count<ShapeOver<P>>;
         auto& ties = kernels.ties[static_cast<std::size_t>(shape_as<ShapeOver>)];

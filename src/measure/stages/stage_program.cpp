@@ -12,7 +12,7 @@ using number::wide::ColumnWords;
 
 template <template <class> class ShapeOver, ColumnWords W>
 number::wide::ColumnProgram record(const StageKey& key) {
-    ColumnRecorder recorder(key.words, stage_inputs);
+    ColumnRecorder recorder(key.words, stage_input_count);
     const auto word = [](std::size_t input) { return ColumnWord::at(static_cast<ColumnIndex>(input)); };
     const Finding<ColumnWord> found = settle_inputs<ShapeOver, W>(key, word);
     std::vector<ColumnIndex> outputs{found.settled.index(), found.hit.index()};

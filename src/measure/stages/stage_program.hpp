@@ -15,7 +15,7 @@ inline constexpr std::size_t input_of_ray = 0, input_of_primitive = 6,
                              input_of_ray_low = input_of_primitive + max_primitive_number_count,
                              input_of_primitive_low = input_of_ray_low + 6,
                              input_of_tmin = input_of_primitive_low + max_primitive_number_count,
-                             input_of_tmax = input_of_tmin + 1, stage_inputs = input_of_tmax + 1;
+                             input_of_tmax = input_of_tmin + 1, stage_input_count = input_of_tmax + 1;
 /// Outputs: two decisions, then t* and t* |d|, each with two words and a bound. A length that is not requested is 0.
 inline constexpr std::size_t output_settled = 0, output_hit = 1, output_t = 2, output_distance = 5;
 

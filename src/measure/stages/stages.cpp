@@ -63,17 +63,18 @@ private:
 
 /// Sets bit k if input k is the same number for every problem, or is missing.
 template <class S>
-std::uint64_t shared_inputs_of(const RawProblems<S>& p) {
+std::uint64_t shared_inputs_of(const RawProblems<S>& problems) {
     std::uint64_t shared = 0;
     const auto add_input = [&shared](std::size_t input, const RawColumn<S>& column) {
         if (column.step == 0) shared |= std::uint64_t{1} << input;
     };
     for (std::size_t k = 0; k < 6; ++k)
-        add_input(input_of_ray + k, p.ray[k]), add_input(input_of_ray_low + k, p.ray_low[k]);
+        add_input(input_of_ray + k, problems.ray[k]), add_input(input_of_ray_low + k, problems.ray_low[k]);
     for (std::size_t k = 0; k < max_primitive_number_count; ++k)
-        add_input(input_of_primitive + k, p.primitive[k]), add_input(input_of_primitive_low + k, p.primitive_low[k]);
-    add_input(input_of_tmin, p.tmin), add_input(input_of_tmax, p.tmax);
-    static_assert(stage_inputs <= 64);
+        add_input(input_of_primitive + k, problems.primitive[k]),
+            add_input(input_of_primitive_low + k, problems.primitive_low[k]);
+    add_input(input_of_tmin, problems.tmin), add_input(input_of_tmax, problems.tmax);
+    static_assert(stage_input_count <= 64);
     return shared;
 }
 

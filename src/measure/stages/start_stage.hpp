@@ -265,8 +265,8 @@ template <template <class> class ShapeOver, class P, std::size_t count>
     const E t = select(root_in_reach.is_found, root_in_reach.root, span.t_at(root_behind.root));
     const Enclosure<P> no_length{{P(0), P(0)}, P(0)};
     TieFinding<P> tie{{missed, hit, no_length, no_length}, touches, at_origin};
-    if (requested.t) tie.found.t = accepted_length(t, at_origin, at_origin, hit);
-    if (requested.distance) tie.found.distance = accepted_length(t * sqrt(span.d2), at_origin, at_origin, hit);
+    if (requested.t) tie.found.t = accept_length(t, at_origin, at_origin, hit);
+    if (requested.distance) tie.found.distance = accept_length(t * sqrt(span.d2), at_origin, at_origin, hit);
     tie.found.settled = hit || missed;
     tie.found.hit = hit;
     return tie;

@@ -95,13 +95,13 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
     // Lengths of the hits; lanes that miss divide by 1.
     const BoundedWords n = span.at.n.running(), m = select(hit, span.at.m.running(), BoundedWords(1));
     const ExactLength<P> t(n / m, n, m);
-    if (requested.t) tie.found.t = accepted_length(t.length, at_origin, at_origin || t.is_exact, hit);
+    if (requested.t) tie.found.t = accept_length(t.length, at_origin, at_origin || t.is_exact, hit);
     if (requested.distance) {
         const ExactLength<P> distance = t.times_root(span.d2.running());
-        tie.found.distance = accepted_length(distance.length, at_origin, at_origin || distance.is_exact, hit);
+        tie.found.distance = accept_length(distance.length, at_origin, at_origin || distance.is_exact, hit);
     }
 
-    // `accepted_length` drops the hits whose lengths are not known closely enough.
+    // `accept_length` drops the hits whose lengths are not known closely enough.
     tie.found.settled = hit || missed;
     tie.found.hit = hit;
     return tie;

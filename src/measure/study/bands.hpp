@@ -12,11 +12,11 @@
 namespace lostbits::measure::study {
 
 /// Approximate number of pixels of a band of a map.
-inline constexpr int pixels_of_band = 32768;
+inline constexpr int default_pixels_per_band = 32768;
 
 /// Returns the number of scanlines of a band with about this number of pixels: a multiple of 16, the number of lines in
 /// a block of an EXR file, and at least 16.
-inline int lines_of_band(int width, int pixels = pixels_of_band) {
+inline int lines_per_band(int width, int pixels = default_pixels_per_band) {
     constexpr int block = 16;
     return std::max(block, (pixels / width + block - 1) / block * block);
 }
@@ -26,9 +26,9 @@ inline int lines_of_band(int width, int pixels = pixels_of_band) {
 class Bands {
 public:
     /// The scene must outlive the bands.
-    explicit Bands(const scene::file::Scene& scene, shard::Share share = {}, int pixels = pixels_of_band)
+    explicit Bands(const scene::file::Scene& scene, shard::Share share = {}, int pixels = default_pixels_per_band)
         : scene_(scene),
-          lines_(lines_of_band(scene.width, pixels)),
+          lines_(lines_per_band(scene.width, pixels)),
           units_(share.unit_range(static_cast<std::uint64_t>((scene.height + lines_ - 1) / lines_))) {}
 
     [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(units_.last - units_.first); }

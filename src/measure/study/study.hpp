@@ -91,7 +91,7 @@ concept Study = requires(const S& study, truth::Band& band, std::size_t form_ind
     measure_form(study, prepare_band(study, band, {}), form_index, summary, show);
     { S::pixels_per_band } -> std::convertible_to<int>;
     { study.share } -> std::convertible_to<shard::Share>;
-    study.progress(band.pixels());
+    study.progress(band.pixel_count());
     study.tested_forms.size();
 };
 
@@ -126,7 +126,7 @@ std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& sh
             intersect::process::in_parallel(std::size_t{0}, forms_of_scene.form_indices.size(), [&](std::size_t k) {
                 const std::size_t form_index = forms_of_scene.form_indices[k];
                 measure_form(study, shared, form_index, summaries[form_index], show);
-                study.progress(band.pixels());
+                study.progress(band.pixel_count());
             });
         });
     }

@@ -13,7 +13,9 @@ namespace lostbits::measure::sweep {
 
 using scene::sweep::FloatRange;
 
-std::uint64_t FloatTally::floats() const { return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0}); }
+std::uint64_t FloatTally::float_count() const {
+    return std::accumulate(outcomes.begin(), outcomes.end(), std::uint64_t{0});
+}
 
 std::uint64_t FloatTally::wrong_count() const {
     std::uint64_t sum = 0;
@@ -86,9 +88,9 @@ std::vector<Block> cut_into_blocks(const std::vector<BinadePart>& binades, shard
 }
 
 /// Index of the first block that a stopped run has not tried.
-std::size_t find_next_block(const std::vector<Block>& blocks, std::uint64_t floats_tried) {
+std::size_t find_next_block(const std::vector<Block>& blocks, std::uint64_t tried_float_count) {
     std::size_t next_block = 0;
-    for (std::uint64_t floats_before = 0; next_block < blocks.size() && floats_before < floats_tried; ++next_block)
+    for (std::uint64_t floats_before = 0; next_block < blocks.size() && floats_before < tried_float_count; ++next_block)
         floats_before += blocks[next_block].floats.size();
     return next_block;
 }
@@ -110,7 +112,7 @@ void run_blocks(const ExhaustiveRequest& request, std::span<const Block> blocks,
             state.tallies[tally_index + form_index].append(block_tallies[k][form_index]);
         state.stages += stages[k];
     }
-    for (const Block& block : blocks) state.floats_tried += block.floats.size();
+    for (const Block& block : blocks) state.tried_float_count += block.floats.size();
 }
 
 }  // namespace
@@ -138,7 +140,7 @@ std::uint64_t count_floats(const scene::sweep::ExhaustiveFile& sweep, shard::Sha
 }
 
 void ExhaustiveState::append(const ExhaustiveState& next_share) {
-    floats_tried += next_share.floats_tried;
+    tried_float_count += next_share.tried_float_count;
     stages += next_share.stages;
     tallies.resize(std::max(tallies.size(), next_share.tallies.size()));
     for (std::size_t i = 0; i < next_share.tallies.size(); ++i) tallies[i].append(next_share.tallies[i]);
@@ -147,9 +149,9 @@ void ExhaustiveState::append(const ExhaustiveState& next_share) {
 void ExhaustiveState::require_match(const ExhaustiveRequest& request) const {
     const std::size_t tallies_per_binade = request.sweep.rays.size() * request.tested_forms.size();
     std::uint64_t counted = 0;
-    for (const FloatTally& tally : tallies) counted += tally.floats();
+    for (const FloatTally& tally : tallies) counted += tally.float_count();
     if (tallies.size() != split_into_binades(request.sweep).size() * tallies_per_binade ||
-        counted != floats_tried * tallies_per_binade)
+        counted != tried_float_count * tallies_per_binade)
         throw std::out_of_range("the tallies belong to another sweep over every float");
 }
 
@@ -158,7 +160,8 @@ void run_exhaustive(const ExhaustiveRequest& request, ExhaustiveState& state) {
     const std::vector<Block> all_blocks = cut_into_blocks(binades, request.share);
     state.tallies.resize(binades.size() * request.sweep.rays.size() * request.tested_forms.size());
 
-    for (std::size_t next_block = find_next_block(all_blocks, state.floats_tried); next_block < all_blocks.size();) {
+    for (std::size_t next_block = find_next_block(all_blocks, state.tried_float_count);
+         next_block < all_blocks.size();) {
         const std::span blocks =
             std::span(all_blocks).subspan(next_block, std::min(blocks_per_state, all_blocks.size() - next_block));
         run_blocks(request, blocks, state);

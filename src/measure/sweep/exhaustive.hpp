@@ -35,7 +35,7 @@ inline constexpr std::array<FirstEvent, 11> first_events{{{answer::Outcome::fals
                                                           {answer::Outcome::out_of_order}}};
 /// True for an event that can happen if a ray has only one primitive to hit.
 inline constexpr bool is_of_one_primitive(const FirstEvent& event) {
-    return static_cast<std::size_t>(event.outcome) < answer::outcomes_of_one_primitive;
+    return static_cast<std::size_t>(event.outcome) < answer::single_primitive_outcome_count;
 }
 
 /// Counts of a form on one ray over consecutive floats. A float is identified by its index among all floats
@@ -76,7 +76,7 @@ struct FloatTally {
     [[nodiscard]] std::uint64_t count(answer::Outcome outcome) const {
         return outcomes[static_cast<std::size_t>(outcome)];
     }
-    [[nodiscard]] std::uint64_t floats() const;
+    [[nodiscard]] std::uint64_t float_count() const;
     [[nodiscard]] std::uint64_t wrong_count() const;
     /// Adds the next float; the error is NaN unless form and truth hit.
     void add(std::uint32_t float_index, answer::Outcome outcome, double ulps);
@@ -98,7 +98,8 @@ struct ExhaustiveRequest;
 
 /// Progress of a run: all that is needed to continue it.
 struct ExhaustiveState {
-    std::uint64_t floats_tried = 0;   ///< floats of the share tried so far, in order, each with every form on every ray
+    std::uint64_t tried_float_count =
+        0;                            ///< floats of the share tried so far, in order, each with every form on every ray
     std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::tally_index`
     truth::StageCounts stages{};      ///< counts of truths; their sum depends on how often forms shared a truth
 
@@ -167,7 +168,7 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
 
 /// Padding of tmax, in u, with which no hit is missed because of a gap between slabs; 0 if no hit is missed for that
 /// reason, NaN for a form that tests no box.
-double padding_max(const evaluate::TestedForm& tested_form, const FloatTally& tally);
+double max_padding(const evaluate::TestedForm& tested_form, const FloatTally& tally);
 
 /// Like `try_floats`, for a sweep across a mesh. Every float is compared with the complete truth of its ray, and its
 /// error is the metric `ulp_error`: nothing is left open.

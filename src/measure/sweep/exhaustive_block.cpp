@@ -281,7 +281,7 @@ std::vector<FloatTally> try_floats(const FloatsOnRay& floats_on_ray, truth::Stag
     return runner.take_tallies();
 }
 
-double padding_max(const evaluate::TestedForm& tested_form, const FloatTally& tally) {
+double max_padding(const evaluate::TestedForm& tested_form, const FloatTally& tally) {
     if (!TestedBox(tested_form).has_box()) return truth::missing;
     return tally.padding ? tally.padding->u : 0;
 }

@@ -62,7 +62,7 @@ private:
 /// Bounds of the errors of one form at the floats of some columns.
 class UlpColumns {
 public:
-    using Outcomes = std::array<std::uint64_t, answer::outcomes_of_one_primitive>;
+    using Outcomes = std::array<std::uint64_t, answer::single_primitive_outcome_count>;
 
     UlpColumns(const AxisColumns& columns, const truth::TruthOptions& options) : columns_(columns), options_(options) {}
     /// Compares the answers of a form with the truth of the same floats.

@@ -99,7 +99,7 @@ std::vector<Event> list_events(const TestedForm& tested_form, const std::vector<
 
 /// Returns a request that measures only the metrics that events need, because conditioning costs far more. Each of
 /// these metrics keeps its index among the metrics of the request.
-SweepRequest request_for_events(SweepRequest request) {
+SweepRequest make_request_for_events(SweepRequest request) {
     std::ranges::replace_if(
         request.metrics,
         [](const Metric* m) {
@@ -114,7 +114,7 @@ SweepRequest request_for_events(SweepRequest request) {
 /// values.
 class FormEvaluator {
 public:
-    FormEvaluator(const SweepRequest& request, std::size_t form_index) : request_(request_for_events(request)) {
+    FormEvaluator(const SweepRequest& request, std::size_t form_index) : request_(make_request_for_events(request)) {
         request_.tested_forms = {request.tested_forms[form_index]};
     }
     const FormSummary& summary_at(double value) {
@@ -171,8 +171,8 @@ void find_recovery(const SweepRequest& request, const StepOrder& steps, std::siz
 Onset locate_onset(const SweepRequest& request, const StepOrder& steps, std::size_t form_index, const Event& event,
                    FormEvaluator& evaluator) {
     Onset onset{form_index, event.name, event.statistic, event.threshold};
-    onset.ray_count = steps.front()->summaries[form_index].rays;
-    onset.view_count = steps.front()->summaries[form_index].views;
+    onset.ray_count = steps.front()->summaries[form_index].ray_count;
+    onset.view_count = steps.front()->summaries[form_index].view_count;
     const auto first_bad_step =
         std::ranges::find_if(steps, [&](const SweepStep* s) { return event.happens(s->summaries[form_index]); });
     if (first_bad_step == steps.end()) return onset;
@@ -247,11 +247,11 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
     if (!request.sweep.has_random_rays()) return onsets;
 
     // Repeats the search on other random rays, to see how far the onsets scatter.
-    for (int draw = 1; draw <= request.further_draws; ++draw) {
+    for (int draw = 1; draw <= request.further_draw_count; ++draw) {
         const scene::sweep::SweepFile sweep_of_draw = request.sweep.with_seed_offset(draw);
         const SweepRequest draw_request{.sweep = sweep_of_draw,
                                         .tested_forms = request.tested_forms,
-                                        .metrics = request_for_events(request).metrics,
+                                        .metrics = make_request_for_events(request).metrics,
                                         .both_ends = request.both_ends,
                                         .wanted_onsets = request.wanted_onsets,
                                         .limit = request.limit,
@@ -282,7 +282,7 @@ SweepFindings measure_sweep(const SweepRequest& request) {
     }
     const auto rows = request.share.unit_range(request.tested_forms.size());
     if (rows.size() == 0 || request.sweep.axes.size() != 1) return findings;
-    SweepRequest share_request = request_for_events(request);
+    SweepRequest share_request = make_request_for_events(request);
     share_request.share = {};
     share_request.tested_forms = {request.tested_forms.begin() + static_cast<std::ptrdiff_t>(rows.first),
                                   request.tested_forms.begin() + static_cast<std::ptrdiff_t>(rows.last)};
@@ -291,8 +291,9 @@ SweepFindings measure_sweep(const SweepRequest& request) {
     return findings;
 }
 
-std::uint64_t sweep_units(const SweepRequest& request) {
-    const auto draws = static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draws : 0));
+std::uint64_t count_sweep_units(const SweepRequest& request) {
+    const auto draws =
+        static_cast<std::uint64_t>(1 + (request.sweep.has_random_rays() ? request.further_draw_count : 0));
     return request.tested_forms.size() * count_steps(request.sweep) * (request.sweep.axes.size() == 1 ? 2 * draws : 1);
 }
 

@@ -66,10 +66,10 @@ struct SweepRequest {
     const scene::sweep::SweepFile& sweep;
     std::vector<evaluate::TestedForm> tested_forms;
     std::vector<const metric::Metric*> metrics;
-    int further_draws = 0;    ///< number of further draws of random rays, for the spread of onsets
-    shard::Share share = {};  ///< share of the steps, and of the forms whose onsets are found
-    bool recoveries = false;  ///< also find where a form is good again after its first failure
-    bool both_ends = false;   ///< also find onsets from the last step backwards, for failures at small values
+    int further_draw_count = 0;  ///< number of further draws of random rays, for the spread of onsets
+    shard::Share share = {};     ///< share of the steps, and of the forms whose onsets are found
+    bool recoveries = false;     ///< also find where a form is good again after its first failure
+    bool both_ends = false;      ///< also find onsets from the last step backwards, for failures at small values
     std::vector<Onset> wanted_onsets = {};  ///< if not empty, only onsets of these events are looked for
     truth::ProofLimit limit{};
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
@@ -102,7 +102,7 @@ std::vector<Onset> find_onsets(const SweepRequest& request, const std::vector<Sw
 SweepFindings measure_sweep(const SweepRequest& request);
 
 /// Largest number of units of progress that `run_sweep` and `find_onsets` report together.
-std::uint64_t sweep_units(const SweepRequest& request);
+std::uint64_t count_sweep_units(const SweepRequest& request);
 
 /// Verdict on a case. Wrong decisions come before wrong values; among several kinds of wrong decisions the most
 /// frequent counts.

@@ -53,7 +53,7 @@ public:
             if (file_.hits_only && ray_outcome != Outcome::agree_hit) continue;
             const double magnitude = std::fabs(result.metrics[metric_][i]);
             const double value = ray_outcome == Outcome::agree_hit
-                                     ? (file_.smallest ? 1 / magnitude : magnitude)
+                                     ? (file_.is_minimised ? 1 / magnitude : magnitude)
                                      : score_of_wrong_decision(result.inputs->rays[i], result.inputs->primitives[0]);
             if (!(value > score)) continue;
             score = value;
@@ -91,8 +91,8 @@ public:
           metric_(metric::index_of(request.metrics, file_.metric)) {}
 
     std::optional<WorstResult> run() {
-        for (int start = 0; start < file_.starts && !is_over(); ++start) climb();
-        best_.evaluations = evaluations_;
+        for (int start = 0; start < file_.start_count && !is_over(); ++start) climb();
+        best_.evaluation_count = evaluations_;
         return best_score_ < 0 ? std::nullopt : std::optional(best_);
     }
 
@@ -105,7 +105,7 @@ private:
         if (!start) return;
         SearchPoint current = *start;
         double score = -1;
-        for (int g = 0; g < file_.generations; ++g) {
+        for (int g = 0; g < file_.generation_count; ++g) {
             // All candidates of a batch have one primitive, so that their rays share a band.
             const SearchPoint parent =
                 g == 0 ? current : draw_neighbour(current, 6, file_.ranges.size(), random_.below(2));
@@ -156,51 +156,51 @@ private:
     /// Puts an edge of the box on the ray: the edge between the plane through which the ray enters the slab of one axis
     /// and the plane through which it leaves the slab of another. Rounding moves the planes, and the origin is moved to
     /// make up for that. The smaller the origin is, the nearer the ray comes to the edge.
-    void put_edge_on_ray(SearchPoint& p) {
+    void put_edge_on_ray(SearchPoint& point) {
         const double t = std::ldexp(random_significand(), random_.below(6) - 3);
         const auto enter = static_cast<std::size_t>(random_.below(3)),
                    leave = (enter + 1 + static_cast<std::size_t>(random_.below(2))) % 3;
         for (std::size_t k = 0; k < 3; ++k) {
-            p.numbers[6 + k] = file_.ranges[6 + k].low;
-            p.numbers[9 + k] = file_.ranges[9 + k].high;
-            p.numbers[3 + k] = rounding::to_format(p.numbers[3 + k], 0, row_.format.parameters);
+            point.numbers[6 + k] = file_.ranges[6 + k].low;
+            point.numbers[9 + k] = file_.ranges[9 + k].high;
+            point.numbers[3 + k] = rounding::to_format(point.numbers[3 + k], 0, row_.format.parameters);
         }
         for (const std::size_t k : {enter, leave}) {
-            double& plane = p.numbers[((p.numbers[3 + k] > 0) == (k == enter) ? 6 : 9) + k];
-            plane = rounding::to_format(p.numbers[k] + t * p.numbers[3 + k], 0, row_.format.parameters);
-            p.numbers[k] = plane - t * p.numbers[3 + k];
+            double& plane = point.numbers[((point.numbers[3 + k] > 0) == (k == enter) ? 6 : 9) + k];
+            plane = rounding::to_format(point.numbers[k] + t * point.numbers[3 + k], 0, row_.format.parameters);
+            point.numbers[k] = plane - t * point.numbers[3 + k];
         }
     }
 
     /// Moves the origin along the axis whose slab the ray leaves first, so that the ray leaves this slab at the t at
     /// which it enters the last slab.
-    void move_to_edge(SearchPoint& p) {
+    void move_to_edge(SearchPoint& point) {
         double entry = 0, exit = std::numeric_limits<double>::infinity();
         std::size_t leave = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double o = p.numbers[k], d = p.numbers[3 + k];
+            const double o = point.numbers[k], d = point.numbers[3 + k];
             if (d == 0) continue;
-            entry = std::max(entry, (p.numbers[(d > 0 ? 6 : 9) + k] - o) / d);
-            const double exit_of_axis = (p.numbers[(d > 0 ? 9 : 6) + k] - o) / d;
+            entry = std::max(entry, (point.numbers[(d > 0 ? 6 : 9) + k] - o) / d);
+            const double exit_of_axis = (point.numbers[(d > 0 ? 9 : 6) + k] - o) / d;
             if (!(exit_of_axis < exit)) continue;
             exit = exit_of_axis;
             leave = k;
         }
-        const double d = p.numbers[3 + leave];
-        p.numbers[leave] =
-            rounding::to_format(p.numbers[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.parameters);
+        const double d = point.numbers[3 + leave];
+        point.numbers[leave] =
+            rounding::to_format(point.numbers[(d > 0 ? 9 : 6) + leave] - entry * d, 0, row_.format.parameters);
     }
 
     /// Moves the centre of the primitive to where a nearer wrong decision may still be found: to a distance between the
     /// smallest allowed and the smallest found so far, uniform in its logarithm.
-    void move_primitive_nearer(SearchPoint& p) {
-        const double radius = p.numbers[9], low = std::max(1.0, file_.distance_radii.low),
+    void move_primitive_nearer(SearchPoint& point) {
+        const double radius = point.numbers[9], low = std::max(1.0, file_.distance_radii.low),
                      high = best_.value < 0x1p100 ? file_.distance_radii.high : best_.distance;
-        const Vec<double> origin = p.ray().origin, f = ball_around(p.primitive(file_.shape)).centre - origin;
+        const Vec<double> origin = point.ray().origin, f = ball_around(point.primitive(file_.shape)).centre - origin;
         const Real distance = Real(low) * pow(Real(high) / Real(low), Real(random_.unit()));
         const double scale = radius * static_cast<double>(distance) / length(f);
         for (std::size_t i = 0; i < 3; ++i)
-            p.numbers[6 + i] = origin[static_cast<int>(i)] + scale * f[static_cast<int>(i)];
+            point.numbers[6 + i] = origin[static_cast<int>(i)] + scale * f[static_cast<int>(i)];
     }
 
     /// Turns the direction to a point of the primitive, and keeps the size of its largest component. Random directions
@@ -222,24 +222,24 @@ private:
     /// Aims at a rim, an edge, an apex or a line of the primitive. The distance of the eye is from every octave equally
     /// often, and the direction keeps the size of its largest component. The numbers of the primitive are rounded
     /// first, so that the point aimed at is on the primitive that the form receives.
-    void aim_at_feature(SearchPoint& p) {
+    void aim_at_feature(SearchPoint& point) {
         const FloatFormat& format = row_.format.parameters;
         for (std::size_t i = 6; i < file_.ranges.size(); ++i)
-            p.numbers[i] = rounding::to_format(p.numbers[i], 0, format);
-        const Primitive<double> primitive = p.primitive(file_.shape);
+            point.numbers[i] = rounding::to_format(point.numbers[i], 0, format);
+        const Primitive<double> primitive = point.primitive(file_.shape);
         if (broken_limit(primitive)) return;
         const scene::rays::AimedPlace feature = draw_target_(random_, primitive, *file_.aim);
         const Vec<double> random_direction = scene::rays::draw_direction(random_),
                           d = feature.along.value_or(random_direction);
         const double half_extent = visit(primitive, [](const auto& shape) { return shape.half_extent(); });
         const double eye_distance = half_extent * random_.in_octaves(file_.distance.low, file_.distance.high);
-        const double direction_size =
-                         std::max({std::fabs(p.numbers[3]), std::fabs(p.numbers[4]), std::fabs(p.numbers[5])}),
+        const double direction_size = std::max(
+                         {std::fabs(point.numbers[3]), std::fabs(point.numbers[4]), std::fabs(point.numbers[5])}),
                      largest = std::max({std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
         for (std::size_t i = 0; i < 3; ++i) {
             const int k = static_cast<int>(i);
-            p.numbers[i] = feature.point[k] - eye_distance * d[k];
-            p.numbers[3 + i] = d[k] / largest * direction_size;
+            point.numbers[i] = feature.point[k] - eye_distance * d[k];
+            point.numbers[3 + i] = d[k] / largest * direction_size;
         }
     }
 
@@ -272,7 +272,7 @@ private:
 
     BatchWorst measure_batch(const std::vector<SearchPoint>& candidates) {
         scene::rays::RayBlock rays;
-        for (const SearchPoint& p : candidates) rays.push(p.ray());
+        for (const SearchPoint& point : candidates) rays.push(point.ray());
         rays.mark_as_list();
         evaluations_ += candidates.size();
         truth::Band band(std::move(rays), {candidates.front().primitive(file_.shape)}, request_.limit);
@@ -289,7 +289,7 @@ private:
         if (!(batch_worst.score > best_score_)) return;
         best_score_ = batch_worst.score;
         best_ = {.outcome = batch_worst.outcome,
-                 .value = file_.smallest ? 1 / batch_worst.score : batch_worst.score,
+                 .value = file_.is_minimised ? 1 / batch_worst.score : batch_worst.score,
                  .ray = candidate.ray(),
                  .primitive = candidate.primitive(file_.shape),
                  .t = batch_worst.t,

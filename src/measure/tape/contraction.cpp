@@ -246,7 +246,7 @@ void fill_contracted_form(ContractedForms::ComposedForm& composed) {
 
 Tape contract_tape(const Tape& tape) { return Contraction(tape).contract(); }
 
-const Intersector& contracted_form(const Intersector& form) {
+const Intersector& contract_form(const Intersector& form) {
     if (form.has_transform_method)
         throw InputError(std::string(form.info->name) + std::string(contracted_suffix) +
                          ": the suffix of the contraction comes before that of the transform; write FORM" +
@@ -263,7 +263,7 @@ const Intersector& contracted_form(const Intersector& form) {
 
 bool is_contracted(const Intersector& form) { return std::get<0>(contracted_forms().find_parts(form)) != nullptr; }
 
-FormOperation operation_before_contraction(const Intersector& contracted, const Format& format, NodeId node) {
+FormOperation find_operation_before_contraction(const Intersector& contracted, const Format& format, NodeId node) {
     const Intersector& form = *std::get<0>(contracted_forms().find_parts(contracted));
     const Format f32 = *find_format("f32"), f64 = *find_format("f64");
     const bool is_from_f64 = !form.exists_in(f32) || (format.engine == Format::Engine::native64 && form.exists_in(f64));

@@ -17,10 +17,10 @@ Tape contract_tape(const Tape& tape);
 /// Returns the form `FORM+fma`: the contracted operations of a form, in every arithmetic. Without rounding it equals
 /// the form. Its kernels run the operations one by one over columns: they give the bits of compiled code, but not its
 /// speed. Each form is created once and kept. Throws InputError as `record_tape` does, and for a form with a transform
-/// method method, because the transform comes last in a name.
-const intersect::table::Intersector& contracted_form(const intersect::table::Intersector& form);
+/// method, because the transform comes last in a name.
+const intersect::table::Intersector& contract_form(const intersect::table::Intersector& form);
 
-/// True for a form that `contracted_form` created.
+/// True for a form that `contract_form` created.
 bool is_contracted(const intersect::table::Intersector& form);
 
 /// An operation of a form: its node on the form's tape in `format`.
@@ -33,7 +33,7 @@ struct FormOperation {
 /// Finds the operation of FORM from which an operation of `FORM+fma` was made: for a fused sum, the sum. `node` is its
 /// index on a tape of `contracted` in `format`. The node that is returned is `no_node` for an operation that FORM
 /// lacks.
-FormOperation operation_before_contraction(const intersect::table::Intersector& contracted, const Format& format,
-                                           NodeId node);
+FormOperation find_operation_before_contraction(const intersect::table::Intersector& contracted, const Format& format,
+                                                NodeId node);
 
 }  // namespace lostbits::measure::tape

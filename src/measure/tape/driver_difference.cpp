@@ -260,10 +260,10 @@ DriverDifference find_driver_difference(const Intersector& driver, const Interse
     const RandomRays<float> rays(program_form.shape, ray_count, driver.info->direction == intersect::Direction::unit);
     const FormAnswers<float> driver_answers = rays.answers(driver.native32),
                              program_answers = rays.answers(program_form.native32);
-    DriverDifference difference{.ray_count = ray_count, .differing_rays = 0, .rewritings = {}};
+    DriverDifference difference{.ray_count = ray_count, .differing_ray_count = 0, .rewritings = {}};
     for (std::size_t i = 0; i < ray_count; ++i)
-        difference.differing_rays += driver_answers.are_same(program_answers, i) ? 0 : 1;
-    if (difference.differing_rays > 0)
+        difference.differing_ray_count += driver_answers.are_same(program_answers, i) ? 0 : 1;
+    if (difference.differing_ray_count > 0)
         Search(record_tape(program_form, *find_format("f32")), rays, driver_answers).find(difference);
     return difference;
 }

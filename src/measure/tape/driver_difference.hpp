@@ -18,8 +18,8 @@ struct DriverRewriting {
 };
 
 struct DriverDifference {
-    std::size_t ray_count = 0;       ///< number of rays compared
-    std::size_t differing_rays = 0;  ///< number of these rays with different bits
+    std::size_t ray_count = 0;            ///< number of rays compared
+    std::size_t differing_ray_count = 0;  ///< number of these rays with different bits
     /// The smallest set of rewritings, with the fewest operations, with which the program has the driver's bits on all
     /// rays. Empty if no tested set has them.
     std::vector<DriverRewriting> rewritings;

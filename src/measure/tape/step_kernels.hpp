@@ -35,8 +35,8 @@ private:
 
     template <class F>
     [[nodiscard]] F* column(std::uint16_t index) const {
-        if constexpr (sizeof(F) == sizeof(float)) return columns_.floats + index * batch_rays;
-        else return columns_.doubles + index * batch_rays;
+        if constexpr (sizeof(F) == sizeof(float)) return columns_.floats + index * rays_per_batch;
+        else return columns_.doubles + index * rays_per_batch;
     }
 
     template <class N>
@@ -123,7 +123,7 @@ private:
         }
     }
 
-    [[nodiscard]] bool* decisions(std::uint16_t index) const { return columns_.decisions + index * batch_rays; }
+    [[nodiscard]] bool* decisions(std::uint16_t index) const { return columns_.decisions + index * rays_per_batch; }
     void run_logic(const TapeStep& step) const {
         const bool* const a = decisions(step.operands[0]);
         const bool* const b = decisions(step.operands[1]);
@@ -151,7 +151,7 @@ private:
                 return convert_from(step,
                                     [source = column<double>(step.operands[0])](std::size_t i) { return source[i]; });
             case NodeArithmetic::float_pair: {
-                const float *high = column<float>(step.operands[0]), *low = high + batch_rays;
+                const float *high = column<float>(step.operands[0]), *low = high + rays_per_batch;
                 if (step.arithmetic == NodeArithmetic::one_float)
                     return convert_from(step, [high](std::size_t i) { return high[i]; });
                 return convert_from(step, [high, low](std::size_t i) { return double{high[i]} + double{low[i]}; });
@@ -170,7 +170,7 @@ private:
                 const auto x = source(i);
                 high[i] = static_cast<F>(x);
                 if (!is_pair) continue;
-                F& low = (high + batch_rays)[i];
+                F& low = (high + rays_per_batch)[i];
                 if constexpr (sizeof(x) <= sizeof(F)) low = 0;
                 else low = static_cast<F>(x - high[i]);
             }

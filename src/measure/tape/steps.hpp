@@ -22,9 +22,9 @@ struct TapeStep {
 
 /// Number of rays in a batch. The columns of a form for a batch fit in the first-level cache, and fill whole registers
 /// of any width.
-inline constexpr std::size_t batch_rays = 128;
+inline constexpr std::size_t rays_per_batch = 128;
 
-/// Columns of `batch_rays` numbers each. A pair has its low words in the next column.
+/// Columns of `rays_per_batch` numbers each. A pair has its low words in the next column.
 struct StepColumns {
     float* floats;
     double* doubles;

@@ -161,7 +161,7 @@ Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitiv
     return primitive;
 }
 
-std::vector<NodeId> rounded_operations(const Tape& tape) {
+std::vector<NodeId> find_widenable_operations(const Tape& tape) {
     std::vector<bool> is_needed(tape.nodes.size());
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
         is_needed[out] = true;

@@ -25,7 +25,7 @@ Primitive<double> primitive_of(const std::vector<double>& inputs, const Primitiv
 
 /// Returns the operations that can be computed in a wider format: those that round to the format of t, and whose
 /// results the answer needs.
-std::vector<NodeId> rounded_operations(const Tape& tape);
+std::vector<NodeId> find_widenable_operations(const Tape& tape);
 
 /// Returns a tape with these operations in the format `to`, which is wider, as source code would write them. The
 /// operands of such an operation are widened exactly. Its result is rounded before another operation uses it, and

@@ -55,15 +55,15 @@ NodeArithmetic arithmetic_of(const FloatFormat& format) {
 class TapeProgram::Columns {
 public:
     explicit Columns(const std::array<std::uint16_t, 3>& counts)
-        : floats_(std::make_unique_for_overwrite<float[]>(counts[0] * batch_rays)),
-          doubles_(std::make_unique_for_overwrite<double[]>(counts[1] * batch_rays)),
-          decisions_(std::make_unique<bool[]>(counts[2] * batch_rays)) {}
+        : floats_(std::make_unique_for_overwrite<float[]>(counts[0] * rays_per_batch)),
+          doubles_(std::make_unique_for_overwrite<double[]>(counts[1] * rays_per_batch)),
+          decisions_(std::make_unique<bool[]>(counts[2] * rays_per_batch)) {}
 
     template <class P>
     [[nodiscard]] P* at(std::uint16_t column) const {
-        if constexpr (std::same_as<P, float>) return floats_.get() + column * batch_rays;
-        else if constexpr (std::same_as<P, double>) return doubles_.get() + column * batch_rays;
-        else return decisions_.get() + column * batch_rays;
+        if constexpr (std::same_as<P, float>) return floats_.get() + column * rays_per_batch;
+        else if constexpr (std::same_as<P, double>) return doubles_.get() + column * rays_per_batch;
+        else return decisions_.get() + column * rays_per_batch;
     }
     /// Sets x for all rays, in one column, or in two if the arithmetic is a pair.
     void fill(NodeArithmetic arithmetic, std::uint16_t column, double x) const {
@@ -80,7 +80,7 @@ public:
         run_steps(steps, {floats_.get(), doubles_.get(), decisions_.get(), rays});
     }
 
-    std::size_t rays = 0;  ///< number of rays, at most `batch_rays`
+    std::size_t rays = 0;  ///< number of rays, at most `rays_per_batch`
 
 private:
     std::unique_ptr<float[]> floats_;
@@ -116,7 +116,7 @@ private:
 
 /// Returns, for each node, the last node that has it as an operand: `size()` for an output, −1 for a node that no
 /// output needs.
-std::vector<NodeId> last_uses(const Tape& tape) {
+std::vector<NodeId> find_last_uses(const Tape& tape) {
     std::vector<NodeId> last(tape.nodes.size(), no_node);
     for (const NodeId out : {tape.outputs.hit, tape.outputs.t, tape.outputs.near, tape.outputs.far})
         last[out] = tape.size();
@@ -134,7 +134,7 @@ std::vector<NodeId> last_uses(const Tape& tape) {
 }  // namespace
 
 TapeProgram::TapeProgram(const Tape& tape) {
-    const std::vector<NodeId> last_use = last_uses(tape);
+    const std::vector<NodeId> last_use = find_last_uses(tape);
     const auto node_arithmetic = [&](NodeId i) {
         return is_decision(tape[i].op) ? NodeArithmetic::decision : arithmetic_of(tape.format_of(i));
     };
@@ -186,7 +186,7 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
 
     // Columns whose numbers are the same for all rays are filled only as far as there are rays, because some callers
     // run one ray at a time.
-    columns.rays = std::min(batch_rays, rays.size());
+    columns.rays = std::min(rays_per_batch, rays.size());
     for (const Constant& c : constants_) columns.fill(c.arithmetic, c.out, c.value);
     const bool has_one_primitive = target.primitives.size() == 1;
     const std::size_t tmax_index = input_count_ - 1;
@@ -202,8 +202,8 @@ void TapeProgram::run(const RayBatch<S>& rays, const Target<S>& target, const Hi
     }
 
     // Runs all steps on one batch of rays after the other.
-    for (std::size_t begin = 0; begin < rays.size(); begin += batch_rays) {
-        columns.rays = std::min(batch_rays, rays.size() - begin);
+    for (std::size_t begin = 0; begin < rays.size(); begin += rays_per_batch) {
+        columns.rays = std::min(rays_per_batch, rays.size() - begin);
         for (const Input& input : inputs_) {
             S* const out = columns.template at<S>(input.out);
             const auto copy_column = [&](std::span<const S> source) {

@@ -23,7 +23,7 @@ constexpr std::size_t numbers_a_ray = 9;  // numbers of one ray: origin, directi
 /// primitive k counts for primitive `first_equal[k]`, or for k itself if `first_equal` is empty.
 std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector<int>& first_equal) {
     std::map<int, std::size_t> hits;
-    for (std::size_t i = 0; i < band.pixels(); ++i) {
+    for (std::size_t i = 0; i < band.pixel_count(); ++i) {
         const truth::Truth truth = band.truth(i, {});
         if (truth.is_hit()) ++hits[first_equal.empty() ? truth.primitive : first_equal[truth.primitive]];
     }
@@ -31,7 +31,7 @@ std::map<int, std::size_t> count_hits(const truth::Band& band, const std::vector
 }
 
 /// Returns, for each primitive, the index of the first primitive with the same numbers.
-std::vector<int> first_equal_indices(const std::vector<Primitive<double>>& primitives) {
+std::vector<int> find_first_equal_indices(const std::vector<Primitive<double>>& primitives) {
     using Matrix = std::optional<std::pair<bool, decltype(Transform<double>::matrix)>>;
     std::map<std::tuple<Shape, decltype(Primitive<double>::numbers), Matrix>, int> first_by_key;
     std::vector<int> first_indices;
@@ -44,7 +44,8 @@ std::vector<int> first_equal_indices(const std::vector<Primitive<double>>& primi
     return first_indices;
 }
 
-std::vector<std::size_t> primitives_to_time(const std::map<int, std::size_t>& hits, std::size_t primitive_count) {
+std::vector<std::size_t> choose_primitives_to_time(const std::map<int, std::size_t>& hits,
+                                                   std::size_t primitive_count) {
     std::vector<std::pair<std::size_t, int>> order;
     for (const auto& [primitive, count] : hits) order.emplace_back(count, primitive);
     std::ranges::sort(order, [](const auto& a, const auto& b) {
@@ -75,7 +76,8 @@ struct SceneWork::Store {
 
 Scene with_smaller_picture(const Scene& scene, int pixels) {
     Scene small_scene = scene;
-    const double factor = std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixels())));
+    const double factor =
+        std::min(1.0, std::sqrt(static_cast<double>(pixels) / static_cast<double>(scene.pixel_count())));
     const auto shrink = [factor](int side) { return std::max(1, static_cast<int>(std::lround(side * factor))); };
     small_scene.width = shrink(scene.width);
     small_scene.height = shrink(scene.height);
@@ -86,26 +88,26 @@ SceneWork::SceneWork(const Scene& scene, truth::ProofLimit limit)
     : scene_(with_smaller_picture(scene, timed_pixels)),
       culler_(std::make_unique<culling::Culler>(scene_)),
       band_(scene_, 0, scene_.height, limit, culler_.get()),
-      rays_(band_.pixels()) {
+      ray_count_(band_.pixel_count()) {
     choose_primitives({}, scene_.primitive_count());
 }
 
 SceneWork::SceneWork(const scene::rays::RayGroup& sample, truth::ProofLimit limit)
-    : band_(sample, limit), rays_(band_.pixels()) {
-    choose_primitives(first_equal_indices(sample.primitives), sample.primitives.size());
+    : band_(sample, limit), ray_count_(band_.pixel_count()) {
+    choose_primitives(find_first_equal_indices(sample.primitives), sample.primitives.size());
 }
 
 void SceneWork::choose_primitives(const std::vector<int>& first_equal, std::size_t primitive_count) {
     const auto hits = count_hits(band_, first_equal);
     std::size_t hit_count = 0;
     for (const auto& [primitive, count] : hits) hit_count += count;
-    hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(rays_);
-    primitives_ = primitives_to_time(hits, primitive_count);
+    hit_rate_ = static_cast<double>(hit_count) / static_cast<double>(ray_count_);
+    primitives_ = choose_primitives_to_time(hits, primitive_count);
 }
 
 std::size_t SceneWork::bytes(const Format& format) const {
     const std::size_t size = format.engine == Format::Engine::native32 ? sizeof(float) : sizeof(double);
-    return rays_ * (numbers_a_ray * size + 1);
+    return ray_count_ * (numbers_a_ray * size + 1);
 }
 
 template <class S>
@@ -129,10 +131,12 @@ std::shared_ptr<SceneWork::Store<S>> SceneWork::store(const evaluate::TestedForm
 
 TimedWork SceneWork::work_for(const evaluate::TestedForm& tested_form,
                               const intersect::simd::PackedFormKernels& kernels) {
-    const std::size_t items = rays() * primitives();
+    const std::size_t item_count = ray_count() * primitive_count();
     if (tested_form.format.engine == Format::Engine::native32)
-        return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, items, true};
-    return {[row_store = store<double>(tested_form), kernel = kernels.f64] { row_store->run(kernel); }, items, true};
+        return {[row_store = store<float>(tested_form), kernel = kernels.f32] { row_store->run(kernel); }, item_count,
+                true};
+    return {[row_store = store<double>(tested_form), kernel = kernels.f64] { row_store->run(kernel); }, item_count,
+            true};
 }
 
 }  // namespace lostbits::measure::trade

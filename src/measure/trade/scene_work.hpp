@@ -24,8 +24,8 @@ public:
     SceneWork(const SceneWork&) = delete;
     SceneWork& operator=(const SceneWork&) = delete;
 
-    [[nodiscard]] std::size_t rays() const { return rays_; }
-    [[nodiscard]] std::size_t primitives() const { return primitives_.size(); }
+    [[nodiscard]] std::size_t ray_count() const { return ray_count_; }
+    [[nodiscard]] std::size_t primitive_count() const { return primitives_.size(); }
     /// Bytes of the rays and of the answers.
     [[nodiscard]] std::size_t bytes(const Format& format) const;
     /// Share of the rays that truly hit anything.
@@ -47,7 +47,7 @@ private:
     scene::file::Scene scene_ = {};
     std::unique_ptr<culling::Culler> culler_ = {};  ///< culler of the scene; null for a sample of a file
     truth::Band band_;
-    std::size_t rays_;
+    std::size_t ray_count_;
     double hit_rate_ = 0;
     std::vector<std::size_t> primitives_;
     std::array<std::shared_ptr<Store<float>>, 2> f32_;  ///< [0]: directions as stored; [1]: of unit length

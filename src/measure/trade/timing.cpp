@@ -129,7 +129,7 @@ PinnedThread::~PinnedThread() {
     if (processor_ >= 0) pin_to(allowed_before_);
 }
 
-CacheSizes cache_sizes() {
+CacheSizes read_cache_sizes() {
     CacheSizes sizes{std::size_t{32} << 10, std::size_t{1} << 20, std::size_t{8} << 20};
 #if defined(_SC_LEVEL1_DCACHE_SIZE)
     sizes.l1 = system_size(_SC_LEVEL1_DCACHE_SIZE, sizes.l1);
@@ -139,7 +139,7 @@ CacheSizes cache_sizes() {
     return sizes;
 }
 
-std::string processor_name() {
+std::string read_processor_name() {
     std::ifstream in("/proc/cpuinfo");
     for (std::string line; std::getline(in, line);) {
         const std::size_t colon = line.find(": ");
@@ -182,7 +182,8 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
         for (const std::size_t i : order) {
             plan.stop.check();
             if (work[i].warms_up) work[i].pass();
-            samples[i].push_back(measure_seconds(work[i], passes[i]) / static_cast<double>(passes[i] * work[i].items));
+            samples[i].push_back(measure_seconds(work[i], passes[i]) /
+                                 static_cast<double>(passes[i] * work[i].item_count));
             plan.progress(1);
         }
     }
@@ -202,7 +203,7 @@ std::vector<int> allowed_processors() {
 
 std::vector<double> measure_thread_speedups(const WorkOfThread& work, const ThreadPlan& plan) {
     const auto allowed = allowed_processors();
-    const std::size_t count = plan.threads == 0 ? allowed.size() : plan.threads;
+    const std::size_t count = plan.thread_count == 0 ? allowed.size() : plan.thread_count;
     std::vector<int> processors;
     std::vector<std::function<void()>> passes;
     for (std::size_t i = 0; i < count; ++i) {

@@ -34,16 +34,16 @@ private:
 struct CacheSizes {
     std::size_t l1, l2, last;
 };
-CacheSizes cache_sizes();
+CacheSizes read_cache_sizes();
 
 /// Name of the processor by the system: `AMD EPYC 7763 64-Core Processor`; empty if it reports none.
-std::string processor_name();
+std::string read_processor_name();
 
 /// Work to be timed. `pass` leaves its results in memory.
 struct TimedWork {
     std::function<void()> pass;
-    std::size_t items;  ///< items in one pass
-    bool warms_up;      ///< an untimed pass runs first, so that the data are in the same cache as the last time
+    std::size_t item_count;  ///< items in one pass
+    bool warms_up;           ///< an untimed pass runs first, so that the data are in the same cache as the last time
 };
 
 struct TimingPlan {
@@ -79,8 +79,8 @@ std::vector<int> allowed_processors();
 
 struct ThreadPlan {
     int repetitions = 15;
-    double min_seconds = 0.02;  ///< shortest measurement: long compared with the start of a thread
-    std::size_t threads = 0;    ///< threads that run together; 0: one on each allowed processor
+    double min_seconds = 0.02;     ///< shortest measurement: long compared with the start of a thread
+    std::size_t thread_count = 0;  ///< threads that run together; 0: one on each allowed processor
     intersect::process::StopToken stop = {};
 };
 

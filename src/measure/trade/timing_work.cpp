@@ -16,7 +16,7 @@ namespace {
 using scene::rays::RayGroup;
 using scene::sweep::DistributionRow;
 
-std::vector<Ray<double>> unit_rays(const RayGroup& group) {
+std::vector<Ray<double>> make_unit_rays(const RayGroup& group) {
     std::vector<Ray<double>> rays;
     for (std::size_t i = 0; i < group.rays.size(); ++i) {
         const Ray<double> ray = group.rays[i];
@@ -52,22 +52,22 @@ std::span<const RaySet> ray_sets(Shape shape) {
     return is_primitive(shape) ? distribution_of(shape).ray_sets() : std::span<const RaySet>();
 }
 
-RayPool ray_pool(Shape shape) {
+RayPool make_ray_pool(Shape shape) {
     const scene::rays::HitsAndMisses rays = distribution_of(shape).draw_timed_rays();
-    return {rays.hits.primitives.front(), unit_rays(rays.hits), unit_rays(rays.misses)};
+    return {rays.hits.primitives.front(), make_unit_rays(rays.hits), make_unit_rays(rays.misses)};
 }
 
 template <class S>
 RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, std::size_t rays_per_run,
                       std::uint64_t seed)
     : primitive_(lift_primitive<S>(pool.primitive)),
-      rays_(std::max(bytes / bytes_per_ray / ray_granularity, std::size_t{1}) * ray_granularity),
-      rays_per_run_(rays_per_run == 0
-                        ? rays_
-                        : std::min(rays_, (rays_per_run + ray_granularity - 1) / ray_granularity * ray_granularity)) {
+      ray_count_(std::max(bytes / bytes_per_ray / ray_granularity, std::size_t{1}) * ray_granularity),
+      rays_per_run_(rays_per_run == 0 ? ray_count_
+                                      : std::min(ray_count_, (rays_per_run + ray_granularity - 1) / ray_granularity *
+                                                                 ray_granularity)) {
     constexpr std::size_t cache_line = 64, stagger = 5 * cache_line;
-    const std::size_t column = (rays_ * sizeof(S) + stagger + cache_line - 1) / cache_line * cache_line;
-    memory_.resize(numbers_per_ray * column + rays_ + cache_line);
+    const std::size_t column = (ray_count_ * sizeof(S) + stagger + cache_line - 1) / cache_line * cache_line;
+    memory_.resize(numbers_per_ray * column + ray_count_ + cache_line);
     void* start = memory_.data();
     std::size_t space = memory_.size();
     std::align(cache_line, memory_.size() - cache_line, start, space);
@@ -80,10 +80,10 @@ RayStore<S>::RayStore(const RayPool& pool, std::size_t bytes, double hit_rate, s
 template <class S>
 void RayStore<S>::fill(const RayPool& pool, double hit_rate, std::uint64_t seed) {
     std::mt19937_64 random(seed);
-    std::vector<char> hits(rays_);
-    std::fill_n(hits.begin(), static_cast<std::size_t>(hit_rate * static_cast<double>(rays_) + 0.5), 1);
-    for (std::size_t i = rays_; i > 1; --i) std::swap(hits[i - 1], hits[random() % i]);
-    for (std::size_t i = 0; i < rays_; ++i) {
+    std::vector<char> hits(ray_count_);
+    std::fill_n(hits.begin(), static_cast<std::size_t>(hit_rate * static_cast<double>(ray_count_) + 0.5), 1);
+    for (std::size_t i = ray_count_; i > 1; --i) std::swap(hits[i - 1], hits[random() % i]);
+    for (std::size_t i = 0; i < ray_count_; ++i) {
         const auto& rays = hits[i] ? pool.hits : pool.misses;
         const Ray<double>& ray = rays[random() % rays.size()];
         const double parts[] = {ray.origin.x,    ray.origin.y,    ray.origin.z,
@@ -94,7 +94,7 @@ void RayStore<S>::fill(const RayPool& pool, double hit_rate, std::uint64_t seed)
 
 template <class S>
 double RayStore<S>::hit_fraction() const {
-    return static_cast<double>(std::count(hit_, hit_ + rays_, std::uint8_t{1})) / static_cast<double>(rays_);
+    return static_cast<double>(std::count(hit_, hit_ + ray_count_, std::uint8_t{1})) / static_cast<double>(ray_count_);
 }
 
 template class RayStore<float>;
@@ -150,7 +150,7 @@ std::size_t working_set_bytes(std::string_view name, const CacheSizes& caches) {
     return name == "memory" ? std::clamp(2 * caches.last, 64 * mebibyte, 1024 * mebibyte) : 0;
 }
 
-bool fits_in_cache(std::size_t bytes) { return bytes <= cache_sizes().l2; }
+bool fits_in_cache(std::size_t bytes) { return bytes <= read_cache_sizes().l2; }
 
 const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_structs() {
     const BoxField<float>& field = *f32();

@@ -29,7 +29,7 @@ struct RayPool {
     Primitive<double> primitive;
     std::vector<Ray<double>> hits, misses;
 };
-RayPool ray_pool(Shape shape);
+RayPool make_ray_pool(Shape shape);
 
 /// Rays of a pool and a buffer for their answers, as many as fit into `bytes` bytes, in one block of memory. Columns
 /// start at cache lines, each at another offset in its page, so that reads and writes do not collide.
@@ -42,9 +42,9 @@ public:
     RayStore(const RayStore&) = delete;
     RayStore& operator=(const RayStore&) = delete;
 
-    [[nodiscard]] std::size_t rays() const { return rays_; }
+    [[nodiscard]] std::size_t ray_count() const { return ray_count_; }
     [[nodiscard]] std::size_t rays_per_run() const { return rays_per_run_; }
-    [[nodiscard]] std::size_t bytes() const { return rays_ * bytes_per_ray; }
+    [[nodiscard]] std::size_t bytes() const { return ray_count_ * bytes_per_ray; }
 
     /// Runs the kernel on the next `rays_per_run` rays; after the last ones, starts again at the first.
     template <class Kernel>
@@ -54,7 +54,7 @@ public:
         kernel(intersect::table::RayBatch<S>{input(0), input(1), input(2), input(3), input(4), input(5)}, primitive_,
                intersect::table::HitBatch<S>{output(6), output(7), output(8), {hit_ + next_ray_, rays_per_run_}});
         next_ray_ += rays_per_run_;
-        if (next_ray_ + rays_per_run_ > rays_) next_ray_ = 0;
+        if (next_ray_ + rays_per_run_ > ray_count_) next_ray_ = 0;
     }
     /// Fraction of the rays that hit in the last pass over all of them.
     [[nodiscard]] double hit_fraction() const;
@@ -67,7 +67,7 @@ private:
     void fill(const RayPool& pool, double hit_rate, std::uint64_t seed);
 
     Primitive<S> primitive_;
-    std::size_t rays_, rays_per_run_, next_ray_ = 0;
+    std::size_t ray_count_, rays_per_run_, next_ray_ = 0;
     std::vector<std::byte> memory_;
     std::array<S*, numbers_per_ray> columns_{};
     std::uint8_t* hit_ = nullptr;
@@ -148,7 +148,7 @@ private:
     LazyObject<std::vector<intersect::simd::PlainBox>> box_structs_;
 };
 
-/// Many rays against the primitive of `ray_pool`, half of which hit it; otherwise like `BoxWork`.
+/// Many rays against the primitive of `make_ray_pool`, half of which hit it; otherwise like `BoxWork`.
 class RayWork {
 public:
     explicit RayWork(std::size_t bytes) : bytes_(bytes) {}
@@ -162,7 +162,8 @@ private:
     using Stores = std::array<LazyObject<RayStore<S>>, shape_names.size()>;
     template <class S>
     const std::shared_ptr<RayStore<S>>& store(Stores<S>& stores, Shape shape) {
-        return stores[static_cast<std::size_t>(shape)](ray_pool(shape), bytes_, 0.5, std::size_t{0}, std::uint64_t{1});
+        return stores[static_cast<std::size_t>(shape)](make_ray_pool(shape), bytes_, 0.5, std::size_t{0},
+                                                       std::uint64_t{1});
     }
 
     std::size_t bytes_;

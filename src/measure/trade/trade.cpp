@@ -39,13 +39,13 @@ void time_on_scene(const TradeRequest& request, TradeResult& result) {
         work.push_back(scene_work.work_for(kernel.measured, {kernel.measured.form->info, kernel.f32, kernel.f64}));
     const auto timings = time_interleaved(work, request.plan);
     for (std::size_t k = 0; k < timings.size(); ++k)
-        result.times.push_back({{timings[k], scene_work.bytes(request.kernels[k].measured.format), scene_work.rays(),
-                                 scene_work.hit_rate(), scene_work.primitives()}});
+        result.times.push_back({{timings[k], scene_work.bytes(request.kernels[k].measured.format),
+                                 scene_work.ray_count(), scene_work.hit_rate(), scene_work.primitive_count()}});
 }
 
 /// Makes the arrays of each load, in the formats of the kernels.
 std::vector<Stores> make_stores(const TradeRequest& request) {
-    const RayPool pool = ray_pool(request.shape);
+    const RayPool pool = make_ray_pool(request.shape);
     const bool has_f32 =
         std::ranges::any_of(request.kernels, [](const TradeKernel& kernel) { return kernel.f32 != nullptr; });
     const bool has_f64 =
@@ -76,9 +76,9 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
             const bool warms_up = request.loads[l].working_set != "memory";
             work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, warms_up)
                                       : work_on(*stores[l].f64, kernel.f64, warms_up));
-            const auto [bytes, rays] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->rays())
-                                                  : std::pair(stores[l].f64->bytes(), stores[l].f64->rays());
-            result.times[k].push_back({{}, bytes, rays, request.loads[l].hit_rate});
+            const auto [bytes, ray_count] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->ray_count())
+                                                       : std::pair(stores[l].f64->bytes(), stores[l].f64->ray_count());
+            result.times[k].push_back({{}, bytes, ray_count, request.loads[l].hit_rate});
         }
     }
 
@@ -110,7 +110,7 @@ void measure_accuracy(const TradeRequest& request, TradeResult& result) {
 
 /// Counts the operations of each kernel on a ray that hits.
 void count_operations(const TradeRequest& request, TradeResult& result) {
-    const RayPool pool = ray_pool(request.shape);
+    const RayPool pool = make_ray_pool(request.shape);
     const Ray<double>& hit = pool.hits.front();
     const auto to_float = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
@@ -132,7 +132,7 @@ bool is_at_least_as_accurate(const ParetoPoint& a, const ParetoPoint& b) {
 
 }  // namespace
 
-std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& tested_forms) {
+std::vector<TradeKernel> make_trade_kernels(const std::vector<TestedForm>& tested_forms) {
     std::vector<TradeKernel> kernels;
     const auto add = [&kernels](TradeKernel kernel, decltype(Intersector::native32) f32,
                                 decltype(Intersector::native64) f64) {
@@ -154,7 +154,7 @@ std::vector<TradeKernel> trade_kernels(const std::vector<TestedForm>& tested_for
     return kernels;
 }
 
-std::vector<TradeLoad> trade_loads(const CacheSizes& caches) {
+std::vector<TradeLoad> make_trade_loads(const CacheSizes& caches) {
     constexpr double hit_rates[] = {0, 0.5, 1};
     constexpr std::size_t mebibyte = std::size_t{1} << 20,
                           arrays = 2 * std::size(hit_rates);  // a format and a rate each
@@ -167,7 +167,7 @@ std::vector<TradeLoad> trade_loads(const CacheSizes& caches) {
     return loads;
 }
 
-std::vector<TradeLoad> scene_load() { return {{"scene", 0, 0}}; }
+std::vector<TradeLoad> make_scene_load() { return {{"scene", 0, 0}}; }
 
 std::size_t reference_load(const std::vector<TradeLoad>& loads) {
     const auto found =
@@ -175,14 +175,14 @@ std::size_t reference_load(const std::vector<TradeLoad>& loads) {
     return found == loads.end() ? 0 : static_cast<std::size_t>(found - loads.begin());
 }
 
-std::vector<TradeSet> trade_sets(const TradeRequest& request) {
+std::vector<TradeSet> make_trade_sets(const TradeRequest& request) {
     if (request.scene) return {{request.scene->id, request.scene->title}};
     std::vector<TradeSet> sets;
     for (const RaySet& set : ray_sets(request.shape)) sets.push_back({std::string(set.name), std::string(set.title)});
     return sets;
 }
 
-std::uint64_t trade_units(const TradeRequest& request) {
+std::uint64_t count_trade_units(const TradeRequest& request) {
     return request.kernels.size() * request.loads.size() * static_cast<std::uint64_t>(request.plan.repetitions);
 }
 
@@ -195,11 +195,12 @@ TradeResult run_trade(const TradeRequest& request) {
     return result;
 }
 
-ParetoPoint pareto_point(const Timing& timing, const TestedForm& tested_form, const evaluate::FormSummary& accuracy,
-                         const std::vector<const metric::Metric*>& metrics) {
+ParetoPoint make_pareto_point(const Timing& timing, const TestedForm& tested_form,
+                              const evaluate::FormSummary& accuracy,
+                              const std::vector<const metric::Metric*>& metrics) {
     const std::size_t lost_bits_index = metric::index_of(metrics, "lost_bits");
     const auto wrong = accuracy.wrong_count();
-    const auto known = accuracy.rays - accuracy.count(Outcome::unresolved);
+    const auto known = accuracy.ray_count - accuracy.count(Outcome::unresolved);
     return {timing.median * 1e9, known == 0 ? 0 : static_cast<double>(wrong) / static_cast<double>(known),
             tested_form.format.parameters.precision - accuracy.metrics[lost_bits_index].quantile(0.99)};
 }
@@ -216,7 +217,7 @@ std::vector<bool> find_dominated(const std::vector<ParetoPoint>& points) {
     return is_dominated;
 }
 
-std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& points, double kept_bits) {
+std::optional<std::size_t> find_cheapest(const std::vector<ParetoPoint>& points, double kept_bits) {
     std::optional<std::size_t> best;
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!points[i].never_wrong() || !(points[i].kept_bits >= kept_bits)) continue;

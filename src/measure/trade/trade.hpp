@@ -21,7 +21,7 @@ struct TradeKernel {
 
 /// All kernels of the selected forms in f32 and f64 on every available instruction set, in the order of the forms, then
 /// widths.
-std::vector<TradeKernel> trade_kernels(const std::vector<evaluate::TestedForm>& tested_forms);
+std::vector<TradeKernel> make_trade_kernels(const std::vector<evaluate::TestedForm>& tested_forms);
 
 /// Rays that a kernel is timed on: the size of the rays with their answers, and the share that hits.
 struct TradeLoad {
@@ -32,16 +32,17 @@ struct TradeLoad {
 
 /// Each working set with each hit rate. The size of `memory` makes all arrays together twice as large as the last
 /// cache, within 32 and 96 MiB for each array.
-std::vector<TradeLoad> trade_loads(const CacheSizes& caches);
+std::vector<TradeLoad> make_trade_loads(const CacheSizes& caches);
 /// The only load of a trade-off on a scene.
-std::vector<TradeLoad> scene_load();
+std::vector<TradeLoad> make_scene_load();
 /// Returns the index of the load whose times represent a kernel: l1 with a hit rate of one half, if there is one;
 /// otherwise the first load.
 std::size_t reference_load(const std::vector<TradeLoad>& loads);
 
 struct TradeRequest {
     Shape shape{};
-    /// Replaces the sets of the shape: accuracy is measured on its pixels, and times on its rays, with `scene_load`.
+    /// Replaces the sets of the shape: accuracy is measured on its pixels, and times on its rays, with
+    /// `make_scene_load`.
     const scene::file::Scene* scene = nullptr;
     std::vector<TradeKernel> kernels;
     std::vector<const metric::Metric*> metrics;  ///< with lost_bits and excess_bits
@@ -55,18 +56,18 @@ struct TradeSet {
     std::string name;   ///< name in files
     std::string title;  ///< description of the rays
 };
-std::vector<TradeSet> trade_sets(const TradeRequest& request);
+std::vector<TradeSet> make_trade_sets(const TradeRequest& request);
 
 /// Returns the number of units of progress that `run_trade` reports through the plan.
-std::uint64_t trade_units(const TradeRequest& request);
+std::uint64_t count_trade_units(const TradeRequest& request);
 
 /// Results of each kernel, in the request's order.
 struct TradeResult {
     struct KernelTime {
         Timing timing;  ///< seconds a ray, on a scene for one ray and one primitive
-        std::size_t bytes, rays;
+        std::size_t bytes, ray_count;
         double hit_rate;  ///< hit rate of these rays
-        std::size_t primitives = 1;
+        std::size_t primitive_count = 1;
     };
     std::vector<std::vector<KernelTime>> times;                 ///< [kernel][load]
     std::vector<OperationCounts> operations;                    ///< [kernel]
@@ -88,14 +89,14 @@ struct ParetoPoint {
 
     [[nodiscard]] bool never_wrong() const { return wrong_fraction == 0; }
 };
-ParetoPoint pareto_point(const Timing& timing, const evaluate::TestedForm& tested_form,
-                         const evaluate::FormSummary& accuracy, const std::vector<const metric::Metric*>& metrics);
+ParetoPoint make_pareto_point(const Timing& timing, const evaluate::TestedForm& tested_form,
+                              const evaluate::FormSummary& accuracy, const std::vector<const metric::Metric*>& metrics);
 
 /// Marks each point for which another one is at least as fast and as accurate, and better in one of the two.
 std::vector<bool> find_dominated(const std::vector<ParetoPoint>& points);
 
 /// Fastest point that is never wrong and keeps at least `kept_bits` bits; nothing if no point qualifies.
-std::optional<std::size_t> cheapest(const std::vector<ParetoPoint>& points, double kept_bits);
+std::optional<std::size_t> find_cheapest(const std::vector<ParetoPoint>& points, double kept_bits);
 
 /// Numbers of kept bits for which the summary names the fastest kernel.
 inline constexpr std::array<int, 6> summary_bits{8, 12, 16, 20, 22, 40};

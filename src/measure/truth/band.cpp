@@ -69,7 +69,7 @@ Band::Band(const scene::file::Scene& scene, int y0, int y1, ProofLimit limit, cu
     if (scene.inputs == scene::file::InputRounding::shared) {
         shared_ = scene::rays::make_shared_rays(scene, y0, y1);
         shared_primitives_ =
-            culler ? culler->shared_primitives() : PrimitiveList(scene::rays::shared_primitives(scene));
+            culler ? culler->shared_primitives() : PrimitiveList(scene::rays::make_shared_primitives(scene));
     } else {
         ideal_ = scene::rays::make_own_rays(scene, y0, y1);
         ideal_primitives_ = culler ? culler->ideal_primitives() : PrimitiveList(scene.primitives());
@@ -253,7 +253,7 @@ FormatInputs Band::inputs(const Format& format, BandNeeds needs) const {
     else if (shared_march_) in.march = scene::file::round_march(*shared_march_, parameters);
 
     // Ray generators end with directions of length one, up to their rounding.
-    const bool rays_are_unit = ideal_ && ideal_->made;
+    const bool rays_are_unit = ideal_ && ideal_->generated_rays;
     if (needs.unit_rays) in.unit_rays = rays_are_unit ? in.rays : normalise_rays(in.rays, parameters, limit_.stop);
 
     // Candidates that the forms are tested against: an index, or lists of candidates made with it
@@ -328,8 +328,8 @@ bool Band::is_unrounded(const FormatInputs& inputs, std::size_t i) const {
 }
 
 bool Band::are_all_unrounded(const FormatInputs& inputs) const {
-    return holds_for_all(pixels(), [&](std::size_t i) { return is_ray_unrounded(inputs, i); }) &&
-           holds_for_all(pixels() == 0 ? 0 : inputs.primitives.size(),
+    return holds_for_all(pixel_count(), [&](std::size_t i) { return is_ray_unrounded(inputs, i); }) &&
+           holds_for_all(pixel_count() == 0 ? 0 : inputs.primitives.size(),
                          [&](std::size_t k) { return is_primitive_unrounded(inputs, k); });
 }
 
@@ -338,20 +338,20 @@ Ray<Real> Band::true_ray(std::size_t i) const {
 }
 
 const scene::rays::CameraFrame<Real>* Band::camera_frame() const {
-    return ideal_ && ideal_->made ? &ideal_->made->frame() : nullptr;
+    return ideal_ && ideal_->generated_rays ? &ideal_->generated_rays->frame() : nullptr;
 }
 
 std::optional<scene::rays::RecordedRay> Band::recorded_ray(std::size_t i, const Format& format) const {
     if (camera_frame() == nullptr) return std::nullopt;
     const auto index = static_cast<int>(i);
-    return ideal_->made->record(format, {index % ideal_->width, y0_ + index / ideal_->width});
+    return ideal_->generated_rays->record_ray(format, {index % ideal_->width, y0_ + index / ideal_->width});
 }
 
-std::shared_ptr<const scene::rays::RayGroup> Band::original_group(std::size_t i, std::set<int> primitives) const {
+std::shared_ptr<const scene::rays::RayGroup> Band::make_original_group(std::size_t i, std::set<int> primitives) const {
     if (is_paired_) primitives = {static_cast<int>(i)};
     const std::size_t count = primitives.empty() ? shared_primitives_.size() : primitives.size();
     if (scene_ != nullptr || ideal_ || count > max_original_primitives) return nullptr;
-    auto group = std::make_shared<scene::rays::RayGroup>(scene::rays::group_of(shared_[i]));
+    auto group = std::make_shared<scene::rays::RayGroup>(scene::rays::make_group(shared_[i]));
     group->rays.push_range(shared_, i);
     for (const int primitive : primitives) group->primitives.push_back(shared_primitives_[primitive]);
     if (!primitives.empty()) return group;

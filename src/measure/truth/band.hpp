@@ -50,7 +50,8 @@ public:
     /// miss. `inputs` gives the format, and the answer if it holds one. The unit is the power of two of this t, or
     /// distance.
     [[nodiscard]] double reach(std::size_t i, intersect::Convention convention, intersect::Direction direction,
-                               const FormatInputs& inputs, Perturbed perturbed = Perturbed::componentwise) const;
+                               const FormatInputs& inputs,
+                               Perturbation perturbation = Perturbation::componentwise) const;
     /// Inputs of one format; computed in parallel over the pixels.
     [[nodiscard]] FormatInputs inputs(const Format& format, BandNeeds needs) const;
     /// Only the inputs that a form needs.
@@ -70,8 +71,8 @@ public:
     /// Returns ray i before any format rounds it, with these `primitives`; if the set is empty, with
     /// all primitives and the constants of a march. Null for a pixel of a scene (its position identifies the ray), for
     /// an ideal ray, and if there are more than `max_original_primitives` primitives.
-    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> original_group(std::size_t i,
-                                                                              std::set<int> primitives) const;
+    [[nodiscard]] std::shared_ptr<const scene::rays::RayGroup> make_original_group(std::size_t i,
+                                                                                   std::set<int> primitives) const;
     static constexpr std::size_t max_original_primitives = 64;
 
     /// Culler of the band's primitives; null if every primitive is tested.
@@ -79,7 +80,7 @@ public:
     [[nodiscard]] int y0() const { return y0_; }
     [[nodiscard]] int scanlines() const { return scanlines_; }
     [[nodiscard]] intersect::process::StopToken stop() const { return limit_.stop; }
-    [[nodiscard]] std::size_t pixels() const { return truths_.size(); }
+    [[nodiscard]] std::size_t pixel_count() const { return truths_.size(); }
     /// Counts of the stages that settled the rays, for each ray and each primitive that it could meet.
     [[nodiscard]] const StageCounts& stages() const { return stages_; }
     /// Truth of ray i by the convention of a form.
@@ -107,7 +108,7 @@ private:
     [[nodiscard]] double measure_condition(std::size_t i, Truth::Decision decision, int primitive_index,
                                            intersect::Convention convention) const;
     [[nodiscard]] double measure_reach(std::size_t i, const Truth& ray_truth, intersect::Convention convention,
-                                       Length length, const FloatFormat& format, Perturbed perturbed) const;
+                                       Length length, const FloatFormat& format, Perturbation perturbation) const;
     void find_reach(FormatInputs& in, BandNeeds needs) const;
 
     culling::Culler* culler_ = nullptr;

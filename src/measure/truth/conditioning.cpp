@@ -200,8 +200,8 @@ std::vector<double> gradient(const Ray<double>& ray, const Primitive<double>& pr
 }
 
 void Band::find_condition() {
-    condition_.resize(pixels());
-    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
+    condition_.resize(pixel_count());
+    intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixel_count(), 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             limit_.stop.check();
             condition_[i] = measure_condition(i, truths_.decision[i], truths_.primitive[i], {});
@@ -234,7 +234,7 @@ double Band::condition(std::size_t i, Convention convention) const {
 }
 
 double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention convention, Length length,
-                           const FloatFormat& format, Perturbed perturbed) const {
+                           const FloatFormat& format, Perturbation perturbation) const {
     if (!ray_truth.is_hit()) return missing;
     return with_ray(i, [&](const auto& ray, const auto& primitives) {
         const auto primitive = primitives[ray_truth.primitive];
@@ -243,33 +243,34 @@ double Band::measure_reach(std::size_t i, const Truth& ray_truth, Convention con
         const bool begins_inside =
             tmin > 0 && intersect::answers_0_inside(primitive.shape, convention.for_shape(primitive.shape).inside) &&
             std::ldexp(ray_truth.t.hi, static_cast<int>(ray_truth.t.exponent)) == tmin;
-        return lostbits::measure::truth::reach(ray, primitive, answer, length, format, perturbed,
+        return lostbits::measure::truth::reach(ray, primitive, answer, length, format, perturbation,
                                                begins_inside ? AnswerFaces::entered_faces : AnswerFaces::every_face);
     });
 }
 
 double Band::reach(std::size_t i, Convention convention, intersect::Direction direction, const FormatInputs& inputs,
-                   Perturbed perturbed) const {
+                   Perturbation perturbation) const {
     const Length length = length_of(direction);
-    const auto& closed_reaches = inputs.reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)];
+    const auto& closed_reaches = inputs.reach[static_cast<std::size_t>(perturbation)][static_cast<std::size_t>(length)];
     const bool has_closed_reach = !closed_reaches.empty() && !may_differ(i, convention);
     return has_closed_reach
                ? closed_reaches[i]
-               : measure_reach(i, truth(i, convention), convention, length, inputs.format.parameters, perturbed);
+               : measure_reach(i, truth(i, convention), convention, length, inputs.format.parameters, perturbation);
 }
 
 void Band::find_reach(FormatInputs& in, BandNeeds needs) const {
-    for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
+    for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
         for (const Length length : {Length::parameter, Length::distance}) {
-            const auto index = std::pair(static_cast<std::size_t>(perturbed), static_cast<std::size_t>(length));
+            const auto index = std::pair(static_cast<std::size_t>(perturbation), static_cast<std::size_t>(length));
             if (!needs.reach[index.first][index.second]) continue;
             std::vector<double>& reaches = in.reach[index.first][index.second];
-            reaches.resize(pixels());
-            intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, pixels(), 256), [&](const auto& range) {
-                limit_.stop.check();
-                for (std::size_t i = range.begin(); i < range.end(); ++i)
-                    reaches[i] = measure_reach(i, truths_[i], {}, length, in.format.parameters, perturbed);
-            });
+            reaches.resize(pixel_count());
+            intersect::process::in_parallel(
+                tbb::blocked_range<std::size_t>(0, pixel_count(), 256), [&](const auto& range) {
+                    limit_.stop.check();
+                    for (std::size_t i = range.begin(); i < range.end(); ++i)
+                        reaches[i] = measure_reach(i, truths_[i], {}, length, in.format.parameters, perturbation);
+                });
         }
     }
 }

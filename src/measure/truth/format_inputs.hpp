@@ -28,7 +28,8 @@ struct FormatInputs {
     RayTruths stored_truth = {};
     /// Index by which `stored_truth` was found; null: none.
     std::shared_ptr<const culling::PrimitiveIndex> truth_index = {};
-    /// Reach of the closed primitive's truth by `Perturbed` and `Length` (see `truth::reach`); empty unless requested.
+    /// Reach of the closed primitive's truth by `Perturbation` and `Length` (see `truth::reach`); empty unless
+    /// requested.
     std::array<std::array<std::vector<double>, 2>, 2> reach = {};
     bool is_ideal = false;   ///< the inputs are exactly those of the truth
     bool is_paired = false;  ///< ray i is tested only against primitive i
@@ -69,10 +70,10 @@ struct BandNeeds {
     bool unit_rays = false;
     bool stored_truth = false;
     bool without_forms = false;                     ///< all answers are given, so candidates for forms are not needed
-    std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbed` and `Length`
+    std::array<std::array<bool, 2>, 2> reach = {};  ///< by `Perturbation` and `Length`
 
-    void add_reach(Perturbed perturbed, Length length) {
-        reach[static_cast<std::size_t>(perturbed)][static_cast<std::size_t>(length)] = true;
+    void add_reach(Perturbation perturbation, Length length) {
+        reach[static_cast<std::size_t>(perturbation)][static_cast<std::size_t>(length)] = true;
     }
 };
 

@@ -73,16 +73,16 @@ bool have_ranges(std::span<const S> tmin, std::span<const S> tmax, OpenEnds open
 /// column of the stages, and the number that stands for each element if the column is empty. Second words are skipped
 /// if they are missing.
 template <class S, class Raw, class Use>
-void for_each_column(const ProblemColumns<S>& p, stages::RawProblems<Raw>& raw, const Use& use_column) {
-    for (std::size_t k = 0; k < 6; ++k) use_column(p.ray[k], raw.ray[k], 0);
-    for (std::size_t k = 0; k < max_primitive_number_count; ++k) use_column(p.primitive[k], raw.primitive[k], 0);
-    use_column(p.tmin, raw.tmin, 0);
-    use_column(p.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
-    raw.two_words = !p.ray_low[0].empty();
+void for_each_column(const ProblemColumns<S>& problems, stages::RawProblems<Raw>& raw, const Use& use_column) {
+    for (std::size_t k = 0; k < 6; ++k) use_column(problems.ray[k], raw.ray[k], 0);
+    for (std::size_t k = 0; k < max_primitive_number_count; ++k) use_column(problems.primitive[k], raw.primitive[k], 0);
+    use_column(problems.tmin, raw.tmin, 0);
+    use_column(problems.tmax, raw.tmax, static_cast<S>(HUGE_VAL));
+    raw.two_words = !problems.ray_low[0].empty();
     if (!raw.two_words) return;
-    for (std::size_t k = 0; k < 6; ++k) use_column(p.ray_low[k], raw.ray_low[k], 0);
+    for (std::size_t k = 0; k < 6; ++k) use_column(problems.ray_low[k], raw.ray_low[k], 0);
     for (std::size_t k = 0; k < max_primitive_number_count; ++k)
-        use_column(p.primitive_low[k], raw.primitive_low[k], 0);
+        use_column(problems.primitive_low[k], raw.primitive_low[k], 0);
 }
 /// Indices of the first columns of the ray, the primitive, the range and the second words.
 inline constexpr std::size_t first_ray_column = 0, first_primitive_column = 6,
@@ -119,23 +119,25 @@ struct GatheredProblems {
 
     /// Copies the problems with these indices into whole registers.
     template <class From>
-    stages::RawProblems<S> gather(const ProblemColumns<From>& p, std::span<const std::size_t> indices,
+    stages::RawProblems<S> gather(const ProblemColumns<From>& problems, std::span<const std::size_t> indices,
                                   std::size_t lanes) {
         const std::size_t padded_size = (indices.size() + lanes - 1) / lanes * lanes;
-        auto raw = stages::raw_problems<S>(padded_size, findings.raw());
-        raw.open_ends = p.open_ends;
-        raw.matrix = p.matrix;
+        auto raw = stages::make_raw_problems<S>(padded_size, findings.raw());
+        raw.open_ends = problems.open_ends;
+        raw.matrix = problems.matrix;
         S* target = numbers[0];
-        for_each_column(p, raw, [&](std::span<const From> source, stages::RawColumn<S>& column, From default_number) {
-            column = {target, source.size() <= 1 ? std::size_t{0} : std::size_t{1}};
-            if (source.size() <= 1) {
-                std::fill_n(target, lanes, static_cast<S>(source.empty() ? default_number : source[0]));
-            } else {
-                for (std::size_t i = 0; i < indices.size(); ++i) target[i] = static_cast<S>(source[indices[i]]);
-                std::fill(target + indices.size(), target + padded_size, target[indices.size() - 1]);
-            }
-            target += column_capacity;
-        });
+        for_each_column(problems, raw,
+                        [&](std::span<const From> source, stages::RawColumn<S>& column, From default_number) {
+                            column = {target, source.size() <= 1 ? std::size_t{0} : std::size_t{1}};
+                            if (source.size() <= 1) {
+                                std::fill_n(target, lanes, static_cast<S>(source.empty() ? default_number : source[0]));
+                            } else {
+                                for (std::size_t i = 0; i < indices.size(); ++i)
+                                    target[i] = static_cast<S>(source[indices[i]]);
+                                std::fill(target + indices.size(), target + padded_size, target[indices.size() - 1]);
+                            }
+                            target += column_capacity;
+                        });
         return raw;
     }
 
@@ -154,7 +156,7 @@ struct GatheredProblems {
     }
     /// Added problems in whole registers, for rays without ranges; with `two_words`, also their second words.
     stages::RawProblems<S> added_problems(std::size_t lanes, bool two_words) {
-        auto raw = stages::raw_problems<S>((size + lanes - 1) / lanes * lanes, findings.raw());
+        auto raw = stages::make_raw_problems<S>((size + lanes - 1) / lanes * lanes, findings.raw());
         for (auto& column : numbers) std::fill(column + size, column + raw.size, column[size - 1]);
         const auto point_to_columns = [this](std::size_t first, std::size_t count, stages::RawColumn<S>* target) {
             for (std::size_t k = 0; k < count; ++k) target[k] = {numbers[first + k], 1};
@@ -174,11 +176,11 @@ struct GatheredProblems {
 template <class S>
 class ProblemsInPlace {
 public:
-    explicit ProblemsInPlace(const ProblemColumns<S>& p)
-        : problems_(p), has_ranges_(have_ranges(p.tmin, p.tmax, p.open_ends)) {
+    explicit ProblemsInPlace(const ProblemColumns<S>& problems)
+        : problems_(problems), has_ranges_(have_ranges(problems.tmin, problems.tmax, problems.open_ends)) {
         stages::RawProblems<S> raw{};
         S* target = repeated_[0];
-        for_each_column(p, raw, [&](std::span<const S> source, stages::RawColumn<S>&, S default_number) {
+        for_each_column(problems, raw, [&](std::span<const S> source, stages::RawColumn<S>&, S default_number) {
             std::fill_n(target, max_lanes, source.empty() ? default_number : source[0]);
             target += max_lanes;
         });
@@ -220,7 +222,7 @@ public:
 private:
     /// Returns `size` problems from `begin` on, in whole registers.
     stages::RawProblems<S> raw_at(std::size_t begin, std::size_t size, const stages::RawFindings& found) const {
-        auto raw = stages::raw_problems<S>(size, found);
+        auto raw = stages::make_raw_problems<S>(size, found);
         raw.open_ends = problems_.open_ends;
         raw.matrix = problems_.matrix;
         raw.has_ranges = has_ranges_;

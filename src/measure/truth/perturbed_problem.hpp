@@ -71,18 +71,18 @@ struct ValueInterval {
 class ProblemNumbers {
 public:
     template <class S>
-    ProblemNumbers(const Ray<S>& r, const Primitive<S>& primitive, const FloatFormat& format, Perturbed perturbation,
-                   Length length)
+    ProblemNumbers(const Ray<S>& ray, const Primitive<S>& primitive, const FloatFormat& format,
+                   Perturbation perturbation, Length length)
         : matrix_begin_(primitive_begin + row_of(primitive.shape).number_count),
           count_(matrix_begin_ + (primitive.transform ? Affine<S>::numbers : 0)),
           shape_(primitive.shape),
-          is_normwise_(perturbation == Perturbed::normwise),
+          is_normwise_(perturbation == Perturbation::normwise),
           is_distance_(length == Length::distance) {
         const auto exact_number = [&](std::size_t i) {
-            return i < direction_begin   ? r.origin[static_cast<int>(i)]
-                   : i < primitive_begin ? r.direction[static_cast<int>(i - direction_begin)]
+            return i < direction_begin   ? ray.origin[static_cast<int>(i)]
+                   : i < primitive_begin ? ray.direction[static_cast<int>(i - direction_begin)]
                    : i < matrix_begin_   ? primitive.numbers[i - primitive_begin]
-                                         : primitive.transform->matrix[place_in_matrix(i - matrix_begin_)];
+                                         : primitive.transform->matrix[index_in_matrix(i - matrix_begin_)];
         };
         if (primitive.transform) transform_ = convert_numbers(*primitive.transform, [](const S&) { return 0; });
         for_each_key(shape_, [&](const Key& key, std::size_t k) {
@@ -184,7 +184,7 @@ private:
         linear_part,    ///< numbers of the matrix before its translation: unit of the result's lengths / the source's
         object_direction,  ///< directions of the primitive
     };
-    static constexpr std::size_t unit_kinds = 5;
+    static constexpr std::size_t unit_kind_count = 5;
 
     [[nodiscard]] UnitKind unit_kind(std::size_t i) const {
         if (i >= direction_begin && i < primitive_begin) return UnitKind::direction;
@@ -266,7 +266,7 @@ private:
 
     Shape shape_;
     bool is_normwise_, is_distance_;
-    std::array<int, unit_kinds> units_;
+    std::array<int, unit_kind_count> units_;
     std::array<bool, capacity> is_direction_{};
     std::array<double, capacity> numbers_, input_error_, total_error_, rounding_error_{};
 };
@@ -286,7 +286,7 @@ class PerturbedProblem : public ProblemNumbers {
         if (!transform_) return;
         target.transform = convert_numbers(*transform_, [](int) { return T(0); });
         for (std::size_t i = matrix_begin_; i < count_; ++i)
-            target.transform->matrix[place_in_matrix(i - matrix_begin_)] = number(i);
+            target.transform->matrix[index_in_matrix(i - matrix_begin_)] = number(i);
     }
 
 public:

@@ -286,12 +286,12 @@ double find_reach(const ProblemNumbers& numbers, const CertifiedNumber& answer, 
 }  // namespace
 
 double reach(const Ray<double>& ray, const Primitive<double>& primitive, const CertifiedNumber& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed, AnswerFaces answer_faces) {
-    return find_reach(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
+             const FloatFormat& format, Perturbation perturbation, AnswerFaces answer_faces) {
+    return find_reach(ProblemNumbers(ray, primitive, format, perturbation, length), answer, answer_faces);
 }
 double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const CertifiedNumber& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed, AnswerFaces answer_faces) {
-    return find_reach(ProblemNumbers(ray, primitive, format, perturbed, length), answer, answer_faces);
+             const FloatFormat& format, Perturbation perturbation, AnswerFaces answer_faces) {
+    return find_reach(ProblemNumbers(ray, primitive, format, perturbation, length), answer, answer_faces);
 }
 
 }  // namespace lostbits::measure::truth

@@ -16,10 +16,10 @@ namespace lostbits::measure::truth {
 /// subnormal number), and zeros stay 0. `normwise`: each vector (origin, direction, each point of the primitive) and
 /// each length v has an error of length u|v|, u = 2^-p, in any direction: a component 0 moves as far as a component 1
 /// of the same vector.
-enum class Perturbed : std::uint8_t { componentwise, normwise };
+enum class Perturbation : std::uint8_t { componentwise, normwise };
 
 /// Index in a matrix of its k-th perturbed number: the linear part comes first, row by row, then the translation.
-inline constexpr std::size_t place_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
+inline constexpr std::size_t index_in_matrix(std::size_t k) { return k < 9 ? k / 3 * 4 + k % 3 : (k - 9) * 4 + 3; }
 
 /// Faces of a box that can move the answer. For a ray that begins inside at tmin, the answer is max(tmin, largest
 /// entry). If this is tmin, no face through which the ray leaves moves it.
@@ -32,10 +32,10 @@ enum class AnswerFaces : std::uint8_t { every_face, entered_faces };
 /// across the surface, a problem within the errors may also miss or meet another root first. The inputs do not decide
 /// then, and the bound does not cover such answers.
 double reach(const Ray<double>& ray, const Primitive<double>& primitive, const CertifiedNumber& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
+             const FloatFormat& format, Perturbation perturbation = Perturbation::componentwise,
              AnswerFaces answer_faces = AnswerFaces::every_face);
 double reach(const Ray<Real>& ray, const Primitive<Real>& primitive, const CertifiedNumber& answer, Length length,
-             const FloatFormat& format, Perturbed perturbed = Perturbed::componentwise,
+             const FloatFormat& format, Perturbation perturbation = Perturbation::componentwise,
              AnswerFaces answer_faces = AnswerFaces::every_face);
 
 }  // namespace lostbits::measure::truth

@@ -272,7 +272,7 @@ private:
 };
 
 template <class E, class F = typename EnclosingPart<E>::type>
-RootHit<F> root_hit(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention) {
+RootHit<F> find_root_hit(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention) {
     const QuarticSpan<F> part = enclosing_part(span);
     const auto value = [](const E& x) { return EnclosingPart<E>::value(x); };
     std::optional<SpanRange<F>> plain_range;
@@ -285,7 +285,7 @@ RootHit<F> root_hit(const QuarticSpan<E>& span, const SpanRange<E>* range, inter
 /// −f'/(∂f/∂x). At a double root the gradient is unknown.
 template <class E>
 EnclosedHit<E> enclose(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention) {
-    const auto found = root_hit(span, range, convention);
+    const auto found = find_root_hit(span, range, convention);
     if (!found.hit.is_yes()) return {found.hit};
     if (found.crossing == Crossing::begin) return enclose_begin(span.d2, range, found.touching, found.on_surface);
 
@@ -325,7 +325,7 @@ struct QuadraticSurd {
 template <class E>
 std::optional<int> side_of(const QuarticSpan<E>& span, const E& m, Length length, const SpanRange<E>* range,
                            intersect::Convention convention) {
-    const auto found = root_hit(span, range, convention);
+    const auto found = find_root_hit(span, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
     if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, span.d2, m, length);
     const EnclosedRoots<E>& roots = found.roots;

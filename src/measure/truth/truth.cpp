@@ -75,11 +75,11 @@ bool is_finite(const S& x) {
 }
 
 template <class S>
-bool is_valid_ray(const Ray<S>& r) {
+bool is_valid_ray(const Ray<S>& ray) {
     bool all_finite = true, has_direction = false;
     for (int i = 0; i < 3; ++i) {
-        all_finite = all_finite && is_finite(r.origin[i]) && is_finite(r.direction[i]);
-        has_direction = has_direction || r.direction[i] != 0;
+        all_finite = all_finite && is_finite(ray.origin[i]) && is_finite(ray.direction[i]);
+        has_direction = has_direction || ray.direction[i] != 0;
     }
     return all_finite && has_direction;
 }

@@ -66,7 +66,7 @@ struct ProofLimit {
 ///
 /// `ray` and `primitives` may be in any exact storage: double (which holds every format up to binary64) or Real (own
 /// inputs). A ray with a number that is not finite, or with a direction of zero, meets nothing. Nothing meets a
-/// primitive with such a number, a sphere without a positive radius, a box with lo > hi, or a primitive under a
+/// primitive with such a number, a sphere without a positive radius, a box with lo > hi, or a primitive with a
 /// singular matrix.
 Truth find_truth(const Ray<double>& ray, std::span<const Primitive<double>> primitives, ProofLimit limit = {},
                  intersect::Convention convention = {}, const Range<double>& range = {});

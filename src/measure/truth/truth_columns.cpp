@@ -18,23 +18,25 @@ namespace {
 
 /// Truth of problem i, found without columns.
 template <class S>
-Truth find_single_truth(const ProblemColumns<S>& p, const TruthOptions& options, std::size_t i) {
+Truth find_single_truth(const ProblemColumns<S>& problems, const TruthOptions& options, std::size_t i) {
     const auto number_in = [i](std::span<const S> column) {
         return static_cast<double>(column[column.size() == 1 ? 0 : i]);
     };
-    const auto& r = p.ray;
+    const auto& r = problems.ray;
     Primitive<double> primitive;
-    primitive.shape = p.shape;
-    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k) primitive.numbers[k] = number_in(p.primitive[k]);
-    if (p.matrix.exists) {
-        primitive.transform = Transform<double>{{}, p.matrix.is_inverse, p.matrix.orientation};
+    primitive.shape = problems.shape;
+    for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
+        primitive.numbers[k] = number_in(problems.primitive[k]);
+    if (problems.matrix.exists) {
+        primitive.transform = Transform<double>{{}, problems.matrix.is_inverse, problems.matrix.orientation};
         for (std::size_t k = max_number_count; k < max_primitive_number_count; ++k)
-            primitive.transform->matrix[k - max_number_count] = number_in(p.primitive[k]);
+            primitive.transform->matrix[k - max_number_count] = number_in(problems.primitive[k]);
     }
     return find_truth(
         {{number_in(r[0]), number_in(r[1]), number_in(r[2])}, {number_in(r[3]), number_in(r[4]), number_in(r[5])}},
         primitive, options.limit, options.convention,
-        {p.tmin.empty() ? 0 : number_in(p.tmin), p.tmax.empty() ? HUGE_VAL : number_in(p.tmax), p.open_ends});
+        {problems.tmin.empty() ? 0 : number_in(problems.tmin),
+         problems.tmax.empty() ? HUGE_VAL : number_in(problems.tmax), problems.open_ends});
 }
 
 /// Appends begin + i to `open` for each problem i that is not settled. Most problems are settled, so eight flags are

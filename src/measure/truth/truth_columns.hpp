@@ -82,7 +82,7 @@ struct StageCounts {
     }
     /// Counts a truth that no pack settled, by the precision that its proof took.
     void count_single(const Truth& truth) { ++(truth.proof_bits <= 106 ? ball : interval); }
-    [[nodiscard]] std::uint64_t rays() const { return binary64 + double_double + ball + interval; }
+    [[nodiscard]] std::uint64_t ray_count() const { return binary64 + double_double + ball + interval; }
 };
 
 /// Truths of many rays, as a structure of arrays. |t* − (hi + lo)| ≤ bound, and no power of two lies between the ends,

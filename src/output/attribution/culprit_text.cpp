@@ -33,7 +33,7 @@ std::optional<std::string> not_finite_input_sentence(const Explanation& explanat
 /// Returns a sentence on the cancellation that amplifies the culprit's rounding, and on earlier errors of its
 /// operands.
 std::string amplifier_text(const Explanation& explanation, const OperationView& view) {
-    const NodeId amplifier = explanation.amplifier(explanation.attribution.culprit);
+    const NodeId amplifier = explanation.find_amplifier(explanation.attribution.culprit);
     if (amplifier == no_node) return "";
     const TapeNode& amplifier_node = explanation.tape[amplifier];
     std::string text =
@@ -120,7 +120,7 @@ std::string remaining_error_text(const Explanation& explanation, const Operation
     double smallest_contribution = std::fabs(view.error_of(attribution.culprit).contribution);
     for (const NodeId i : attribution.equal_culprits)
         smallest_contribution = std::min(smallest_contribution, std::fabs(view.error_of(i).contribution));
-    const auto other_operations = largest_contributions(explanation.tape, attribution, smallest_contribution);
+    const auto other_operations = find_largest_contributions(explanation.tape, attribution, smallest_contribution);
 
     const std::string remaining_ulps = ulps_or_nothing(std::fabs(attribution.error / view.ulp()));
     if (remaining_ulps.empty()) return undo_clause;

@@ -142,7 +142,7 @@ std::string source_line(const Explanation& explanation, NodeId node) {
     if (!measure::tape::is_contracted(*explanation.form))
         return intersect::function::quoted_line(*explanation.form->info, explanation.format, node);
     const measure::tape::FormOperation before =
-        measure::tape::operation_before_contraction(*explanation.form, explanation.format, node);
+        measure::tape::find_operation_before_contraction(*explanation.form, explanation.format, node);
     return intersect::function::quoted_line(*before.form->info, before.format, before.node);
 }
 
@@ -285,7 +285,7 @@ std::string rounding_part_sentence(const Explanation& explanation, const Operati
 
 std::string changed_decisions_text(const Explanation& explanation, const OperationView& view) {
     std::string text;
-    for (const NodeId i : explanation.changed_decisions()) {
+    for (const NodeId i : explanation.find_changed_decisions()) {
         const TapeNode& node = explanation.tape[i];
         if (!is_comparison(node.op)) {
             const double distance = std::fabs(view.error_of(i).rounding);

@@ -49,7 +49,7 @@ std::string action_of(const MarchLog& log, std::size_t step, const intersect::Ma
 std::optional<MarchEnd> find_march_end(const intersect::table::Intersector& form, const Format& format,
                                        const measure::answer::OneRay& ray) {
     if (!form.log) return {};
-    return MarchEnd{measure::answer::march_log(form, format, ray),
+    return MarchEnd{measure::answer::record_march(form, format, ray),
                     ray.inputs(form, format).format_inputs.march.value()};
 }
 
@@ -75,7 +75,7 @@ std::string march_samples(const MarchEnd& march, const Format& format) {
 std::string march_table(const intersect::table::Intersector& form, const Format& format,
                         const measure::answer::OneRay& ray) {
     const auto inputs = ray.inputs(form, format);
-    const MarchEnd march{measure::answer::march_log(form, format, ray), inputs.format_inputs.march.value()};
+    const MarchEnd march{measure::answer::record_march(form, format, ray), inputs.format_inputs.march.value()};
     const Ray<double> r = inputs.ray(*form.info);
     return fmt::format("{} in {}\norigin    ({}, {}, {})\ndirection ({}, {}, {})\n{}\n{}\n", form.info->name,
                        format.name, file::hex(r.origin.x), file::hex(r.origin.y), file::hex(r.origin.z),

@@ -46,16 +46,16 @@ std::string ranges_block(const RangesBound& bound) {
 }
 
 std::string observed_errors_text(const ObservedErrors& seen, const std::string& ray_set) {
-    if (seen.bounded_hits == 0) return fmt::format("None of {} hits in a range with a bound.\n", ray_set);
+    if (seen.bounded_hit_count == 0) return fmt::format("None of {} hits in a range with a bound.\n", ray_set);
     std::string text =
         fmt::format("Of {}, {} hit, and {} of these lie in ranges with a bound: the worst is off by {:.3g}", ray_set,
-                    seen.hits, seen.bounded_hits, seen.largest_error);
+                    seen.hit_count, seen.bounded_hit_count, seen.largest_error);
     text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.largest_ratio);
-    if (seen.running_hits > 0)
+    if (seen.running_hit_count > 0)
         text += fmt::format(
             " RunningError bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the "
             "box.",
-            seen.largest_running_bound, seen.wider_running_bounds);
+            seen.largest_running_bound, seen.larger_running_bound_count);
     return text + "\n";
 }
 
@@ -71,13 +71,13 @@ std::string operations_block(const RangesBound& bound) {
 }
 
 Json observed_errors_json(const ObservedErrors& seen) {
-    return {{"hits", seen.hits},
-            {"bounded_hits", seen.bounded_hits},
+    return {{"hits", seen.hit_count},
+            {"bounded_hits", seen.bounded_hit_count},
             {"error", json_number(seen.largest_error)},
             {"share_of_bound", json_number(seen.largest_ratio)},
-            {"running_hits", seen.running_hits},
+            {"running_hits", seen.running_hit_count},
             {"running", json_number(seen.largest_running_bound)},
-            {"running_wider", seen.wider_running_bounds}};
+            {"running_wider", seen.larger_running_bound_count}};
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ std::string ranges_text(const RangesRequest& request, const RangesBound& bound) 
     if (request.is_step())
         text += fmt::format(
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
-            bound.rays);
+            bound.ray_count);
 
     // The parts of the ranges without hits, with a bound, and without one.
     text += fmt::format("No ray hits in {:.3g} % of the ranges, {:.3g} % have a bound, and {:.3g} % are undecided. ",

@@ -69,15 +69,15 @@ table::Table<ClaimRow> make_claim_table() {
         {"measured", "the measured number; missing if nothing could be measured",
          table::or_missing([](const R& r) { return r.result.measured; })},
         {"samples", "number of independent random samples; 0: nothing is random",
-         [](const R& r) { return r.result.samples; }},
+         [](const R& r) { return r.result.sample_count; }},
         {"floats",
          "number of floats, every one in a range; missing if the claim does not rest on all floats of a range",
-         result_value_unless_zero(&ClaimResult::floats)},
+         result_value_unless_zero(&ClaimResult::float_count)},
         {"evidence", "what a statement about all cases rests on: proof, exhaustive, search or sample; empty for others",
          [](const R& r) { return std::string(name_of(r.claim.evidence)); }},
         {"lemma", "the inequality of a proof", claim_value(&Claim::lemma)},
         {"evaluations", "rays that a search tried; missing if there was no search",
-         result_value_unless_zero(&ClaimResult::evaluations)},
+         result_value_unless_zero(&ClaimResult::evaluation_count)},
 
         // The numbers of all draws.
         {"draws", "number of draws of the samples, one per seed; missing if nothing is random", draws_value(&S::draws)},
@@ -139,12 +139,12 @@ Json claim_json(const Claim& claim, const ClaimResult& result) {
 
             // The measured number, and what it rests on.
             {"measured", json_number(result.measured)},
-            {"samples", result.samples},
+            {"samples", result.sample_count},
             {"p99_bounds", bounds},
-            {"floats", result.floats},
+            {"floats", result.float_count},
             {"evidence", std::string(name_of(claim.evidence))},
             {"lemma", claim.lemma},
-            {"evaluations", result.evaluations},
+            {"evaluations", result.evaluation_count},
 
             // The numbers of the other draws.
             {"further_draws", further},

@@ -196,8 +196,8 @@ std::string draw_plots(const sweep::MeasuredSweep& measured, const ShownSubject&
 std::string draw_picture(const scene::check::SweepSubject& subject, const ShownSubject& shown) {
     const auto path = scene::sweep::find_sweep(subject.name, shown.request.data_dir);
     // The claims are about small ranges, but a picture would need the whole axis.
-    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
-    if (scene::sweep::sweep_kind(path) == scene::sweep::SweepKind::cases)
+    if (scene::sweep::read_sweep_kind(path) == scene::sweep::SweepKind::every_float) return "";
+    if (scene::sweep::read_sweep_kind(path) == scene::sweep::SweepKind::cases)
         return draw_cases(scene::sweep::CaseFile(path), shown);
 
     const scene::sweep::SweepFile sweep(path, shown.request.data_dir, {}, shown.request.stop);

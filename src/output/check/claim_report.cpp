@@ -69,7 +69,7 @@ std::string samples_text(const ClaimSubject& subject, const std::vector<ClaimRes
     for (const std::size_t i : subject.claims) {
         if (results[i].is_random())
             return fmt::format("*The rays or numbers are random. Each draw has {} independent samples.*\n\n",
-                               results[i].samples);
+                               results[i].sample_count);
     }
     return "";
 }
@@ -92,7 +92,8 @@ std::string claim_row_text(const Claim& claim, const ClaimResult& result) {
     // Expressions have stars, which Markdown would interpret.
     const std::string evidence = result.state == State::agrees ? evidence_text(claim, result) : "";
     const std::string scope = floats_text(result) + (evidence.empty() ? "" : file::markdown_text(evidence)),
-                      measured = result.floats > 0 ? file::decimal(result.measured) : short_number(result.measured);
+                      measured =
+                          result.float_count > 0 ? file::decimal(result.measured) : short_number(result.measured);
     const std::string quantity_cell = claim.operations.empty()
                                           ? file::markdown_text(quantity_text(claim))
                                           : fmt::format("{} of {}", claim.metric, expression_list(claim.operations));

@@ -49,19 +49,19 @@ std::string quantity_text(const Claim& claim) {
 }
 
 std::string floats_text(const ClaimResult& result) {
-    return result.floats == 0 ? "" : "all " + text::count_with_noun(result.floats, "float");
+    return result.float_count == 0 ? "" : "all " + text::count_with_noun(result.float_count, "float");
 }
 
 std::string evidence_text(const Claim& claim, const ClaimResult& result) {
     using Evidence = Claim::Evidence;
     const bool is_refuted = claim.verdict == Claim::Verdict::refuted;
     if (claim.verdict == Claim::Verdict::qualified) return claim.condition;
-    if (result.evaluations > 0)
+    if (result.evaluation_count > 0)
         return fmt::format("{} in {} evaluations; the worst is {}", is_refuted ? "found" : "no worse case found",
-                           result.evaluations, file::decimal(result.measured));
+                           result.evaluation_count, file::decimal(result.measured));
     switch (claim.evidence) {
         case Evidence::proof: return (is_refuted ? "refuted by proof: " : "proved: ") + claim.lemma;
-        case Evidence::exhaustive: return result.floats > 0 ? "" : "every case that it speaks of was measured";
+        case Evidence::exhaustive: return result.float_count > 0 ? "" : "every case that it speaks of was measured";
         case Evidence::search:
             return is_refuted ? "by the worst case that a search found" : "for the worst case that a search found";
         case Evidence::counterexample: return "by a counterexample";
@@ -115,10 +115,10 @@ std::string expected_and_measured(const Claim& claim, const ClaimResult& result)
         return fmt::format("{}, but {}", expected, result.reason);
 
     // The measured number, with what it rests on.
-    if (result.evaluations > 0)
+    if (result.evaluation_count > 0)
         return fmt::format("{}, measured {} as the worst of {} evaluations", expected, file::decimal(result.measured),
-                           result.evaluations);
-    if (result.floats > 0)
+                           result.evaluation_count);
+    if (result.float_count > 0)
         return fmt::format("{}, measured {} over {}", expected, file::decimal(result.measured), floats_text(result));
     if (result.further_measured.empty())
         return fmt::format("{}, measured {}", expected, file::decimal(result.measured));

@@ -36,7 +36,7 @@ std::string metric_option(const Claim& claim) {
     if (!claim.operations.empty()) return " --metric culprit";
     if (!measure::check::asks_for_attribution(claim)) {
         const Metric* const metric = metric_of_column(claim.metric);
-        return metric != nullptr && !metric->by_default ? fmt::format(" --metric {}", metric->name) : "";
+        return metric != nullptr && !metric->is_default ? fmt::format(" --metric {}", metric->name) : "";
     }
     const std::string metric = claim.metric.substr(0, claim.metric.rfind('_'));
     const auto label = metric.find('_');
@@ -118,8 +118,9 @@ KindTexts kind_texts(const Claim& claim, const SearchSubject& /*on*/) {
 
 KindTexts kind_texts(const Claim& claim, const MendSubject& subject) {
     std::string options = fmt::format(" --bits {:.12g}", subject.requirement.bits);
-    if (subject.requirement.wrong != 0) options += fmt::format(" --wrong {:.12g}", subject.requirement.wrong);
-    if (subject.requirement.at != "max") options += " --at " + subject.requirement.at;
+    if (subject.requirement.max_wrong_fraction != 0)
+        options += fmt::format(" --wrong {:.12g}", subject.requirement.max_wrong_fraction);
+    if (subject.requirement.quantile != "max") options += " --at " + subject.requirement.quantile;
     if (subject.size) options += fmt::format(" --size {}x{}", subject.size->first, subject.size->second);
     const std::string position = "mended:" + options;
     return {.command = measuring_command(claim, "mend", "", options),
@@ -131,7 +132,7 @@ KindTexts kind_texts(const Claim& claim, const MendSubject& subject) {
 KindTexts kind_texts(const Claim& claim, const TableSubject& subject) {
     return {.command = checking_command(claim, "", " --measure"),
             .name_suffix = " " + subject.row,
-            .axis_values = file::decimal(subject.at)};
+            .axis_values = file::decimal(subject.argument)};
 }
 
 KindTexts kind_texts(const Claim& claim, const TimingSubject& /*on*/) {

@@ -17,22 +17,22 @@ using table::when;
 
 ChoiceResult choose_among(const measure::choose::ChoiceRequest& request, const std::vector<Candidate>& candidates,
                           measure::choose::TimedRays timed) {
-    ChoiceResult result{request, candidates, timed, cheapest(candidates, request.requirement)};
+    ChoiceResult result{request, candidates, timed, find_cheapest(candidates, request.requirement)};
     measure::choose::ChoiceRequest quiet_request = request;
     quiet_request.show = {};
     quiet_request.progress = [](std::uint64_t) {};
     if (result.cheapest_index)
         result.margins = find_margins(quiet_request, candidates[*result.cheapest_index].tested_form);
     else
-        result.obstacle =
-            find_obstacle(quiet_request, candidates[*nearest_candidate(candidates, request.requirement)].tested_form);
+        result.obstacle = find_obstacle(
+            quiet_request, candidates[*find_nearest_candidate(candidates, request.requirement)].tested_form);
     return result;
 }
 
 Table<FormQuality> make_quality_columns() {
-    return {{"rays", "rays whose truth is known", &FormQuality::rays},
-            {"true_hits", "rays that truly hit", &FormQuality::hits},
-            {"wrong", "false hits, false misses, NaNs and hits of another primitive", &FormQuality::wrong},
+    return {{"rays", "rays whose truth is known", &FormQuality::ray_count},
+            {"true_hits", "rays that truly hit", &FormQuality::true_hit_count},
+            {"wrong", "false hits, false misses, NaNs and hits of another primitive", &FormQuality::wrong_count},
             {"wrong_fraction", "1", "wrong/rays", &FormQuality::wrong_fraction},
             {"kept_bits", "bits", "significand bits less the lost bits, at the required share of the agreed hits",
              or_missing(&FormQuality::kept_bits)}};
@@ -79,8 +79,8 @@ Table<GrowthMargin> make_margin_table() {
 
     // The quality at the factor that fails.
     return table.add<FormQuality>(
-        {{"wrong", "rays decided wrongly at the failing factor", &FormQuality::wrong},
-         {"rays", "number of rays at the failing factor", &FormQuality::rays},
+        {{"wrong", "rays decided wrongly at the failing factor", &FormQuality::wrong_count},
+         {"rays", "number of rays at the failing factor", &FormQuality::ray_count},
          {"kept_bits", "bits", "bits kept at the failing factor", or_missing(&FormQuality::kept_bits)},
          {"distance_error", "length", "distance error at the failing factor; missing: the requirement has no tolerance",
           or_missing(&FormQuality::distance_error)}},
@@ -97,7 +97,7 @@ Table<SafeOffsetRow> make_offset_table() {
         {"side", "outside: right for every ray away from the primitive; both: also for rays into it", &R::side},
         {"strategy", "rule for the start of the next ray", [](const R& r) { return r.strategy.strategy->name; }},
         {"operations", "operations per new ray, as the rule is written",
-         [](const R& r) { return r.strategy.operations; }},
+         [](const R& r) { return r.strategy.operation_count; }},
         {"oversize_p50", "1",
          "how many times longer than the smallest safe offset, median; the larger of the sides; missing: no offset is "
          "needed",
@@ -131,9 +131,9 @@ Table<InputRow> make_input_table() {
     const auto kept_bits = or_missing(&FormQuality::kept_bits);
     const auto exact_quality = [](const R& r) -> const FormQuality& { return r.trial->exact; };
     table.add<FormQuality>(
-        {{"rays", "rays whose truth is known", &FormQuality::rays},
+        {{"rays", "rays whose truth is known", &FormQuality::ray_count},
          {"exact_wrong", "rays on which the truth of these inputs decides differently from that of the ideal ones",
-          &FormQuality::wrong},
+          &FormQuality::wrong_count},
          {"exact_kept_bits", "bits",
           "bits, of 53, that exact arithmetic on these inputs keeps of the ideal truth, at the required share of "
           "the hits",
@@ -144,7 +144,7 @@ Table<InputRow> make_input_table() {
     const auto form_quality = [](const R& r) -> const std::optional<FormQuality>& { return r.trial->form; };
     table.add<FormQuality>(
         {{"f64_wrong", "rays that the form nearest to the requirement decides wrongly, in f64 on these inputs",
-          &FormQuality::wrong},
+          &FormQuality::wrong_count},
          {"f64_kept_bits", "bits", "bits that this form keeps on these inputs; missing: not measured", kept_bits}},
         form_quality);
     return table;

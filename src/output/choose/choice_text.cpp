@@ -75,10 +75,11 @@ std::string kept_bits_phrase(const FormQuality& quality, int precision, const Re
 }
 
 std::string decisions_phrase(const FormQuality& quality) {
-    if (quality.wrong == 0) return fmt::format("no wrong decision in {}", text::count_with_noun(quality.rays, "ray"));
+    if (quality.wrong_count == 0)
+        return fmt::format("no wrong decision in {}", text::count_with_noun(quality.ray_count, "ray"));
     const double fraction = quality.wrong_fraction();
     return fmt::format(
-        "{} of {} decided wrongly ({}%)", quality.wrong, text::count_with_noun(quality.rays, "ray"),
+        "{} of {} decided wrongly ({}%)", quality.wrong_count, text::count_with_noun(quality.ray_count, "ray"),
         fraction < 0.001 ? fmt::format("{:.2g}", fraction * 100) : fmt::format("{:.3g}", fraction * 100));
 }
 
@@ -99,11 +100,11 @@ std::string failure_phrase(const GrowthMargin& margin, const Requirement& requir
     if (!margin.end_quality.decides_as_required(requirement)) {
         const std::string_view main_fault =
             measure::answer::wrong_decision_phrase(margin.end_quality.main_fault.value());
-        const std::string ray_count = text::count_with_noun(margin.end_quality.rays, "ray");
-        if (margin.end_quality.main_fault_count == margin.end_quality.wrong)
-            return fmt::format("{} ({} of {})", main_fault, margin.end_quality.wrong, ray_count);
-        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.end_quality.wrong, ray_count,
-                           margin.end_quality.main_fault_count, main_fault);
+        const std::string ray_count = text::count_with_noun(margin.end_quality.ray_count, "ray");
+        if (margin.end_quality.main_fault_count == margin.end_quality.wrong_count)
+            return fmt::format("{} ({} of {})", main_fault, margin.end_quality.wrong_count, ray_count);
+        return fmt::format("wrong decisions ({} of {}; most often, {} times, {})", margin.end_quality.wrong_count,
+                           ray_count, margin.end_quality.main_fault_count, main_fault);
     }
     return std::isnan(margin.end_quality.kept_bits)
                ? "no hit on which form and truth agree"
@@ -158,7 +159,7 @@ std::string next_ray_text(const ChoiceResult& result) {
     const auto cheapest_of = [](const std::vector<measure::offset::SafeStrategy>& safe) {
         return safe.empty() ? std::string("none")
                             : fmt::format("{} ({})", safe.front().strategy->name,
-                                          text::count_with_noun(safe.front().operations, "operation"));
+                                          text::count_with_noun(safe.front().operation_count, "operation"));
     };
     return fmt::format(
         "  Cheapest strategy for the next ray that is right for all {} from {}: {} if rays only leave the primitive, "
@@ -180,7 +181,7 @@ std::string file_answers_text(const ChoiceResult& result) {
 /// Sentence that compares the time of the cheapest candidate with that of the fastest.
 std::string time_sentence(const ChoiceResult& result, const Candidate& cheapest) {
     const auto& candidates = result.candidates;
-    const Candidate& fastest = candidates[*measure::choose::fastest(candidates)];
+    const Candidate& fastest = candidates[*measure::choose::find_fastest(candidates)];
     const auto details_of = [&](const Candidate& other) {
         const int precision = other.tested_form.format.parameters.precision;
         return fmt::format("{} ({:.2f} ns{}; {}, {})", candidate_name(other), nanoseconds(other),
@@ -203,7 +204,7 @@ std::string time_sentence(const ChoiceResult& result, const Candidate& cheapest)
 
 /// Sentence that compares the cheapest candidate with the most accurate.
 std::string accuracy_sentence(const ChoiceResult& result, const Candidate& cheapest) {
-    const Candidate& most_accurate = result.candidates[*measure::choose::most_accurate(result.candidates)];
+    const Candidate& most_accurate = result.candidates[*measure::choose::find_most_accurate(result.candidates)];
     if (&most_accurate == &cheapest) return "  It is the most accurate of all.\n";
     return fmt::format("  {} the time of the most accurate, {} ({:.2f} ns; {}).\n",
                        times_phrase(nanoseconds(cheapest) / nanoseconds(most_accurate)), candidate_name(most_accurate),
@@ -232,7 +233,7 @@ std::string chosen_candidate_text(const ChoiceResult& result, const Candidate& c
 
 std::string nothing_meets_text(const ChoiceResult& result) {
     const Candidate& nearest =
-        result.candidates[*measure::choose::nearest_candidate(result.candidates, result.request.requirement)];
+        result.candidates[*measure::choose::find_nearest_candidate(result.candidates, result.request.requirement)];
     const int precision = nearest.tested_form.format.parameters.precision;
     std::string text =
         fmt::format("Nothing meets the requirement. The nearest is {}: {}, {}; {:.2f} ns.\n", candidate_name(nearest),
@@ -307,8 +308,9 @@ std::string requirement_text(const Requirement& requirement) {
     const std::string hits =
         requirement.quantile == 1 ? "every hit" : fmt::format("{:.12g} of 100 hits", requirement.quantile * 100);
     const std::string wrong =
-        requirement.wrong == 0 ? "no wrong decision"
-                               : fmt::format("at most {:.12g}% of the rays decided wrongly", requirement.wrong * 100);
+        requirement.max_wrong_fraction == 0
+            ? "no wrong decision"
+            : fmt::format("at most {:.12g}% of the rays decided wrongly", requirement.max_wrong_fraction * 100);
     if (!requirement.has_tolerance()) return fmt::format("{:g} correct bits of {}, {}", requirement.bits, hits, wrong);
     const std::string off = fmt::format("at most {} off", requirement.tolerance);
     if (requirement.bits == 0) return fmt::format("{} {}, {}", hits, off, wrong);

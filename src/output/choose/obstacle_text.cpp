@@ -25,8 +25,8 @@ std::string bits_text(double kept, const Requirement& requirement, double distan
 std::string kept_and_wrong(const FormQuality& quality, const Requirement& requirement) {
     const std::string kept = bits_text(quality.kept_bits, requirement, quality.distance_error);
     if (quality.decides_as_required(requirement)) return kept;
-    return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong,
-                       text::count_with_noun(quality.rays, "ray"));
+    return fmt::format("{} and decides {} of {} wrongly", kept, quality.wrong_count,
+                       text::count_with_noun(quality.ray_count, "ray"));
 }
 
 /// `the centres and the radii`.
@@ -86,7 +86,7 @@ std::string rounded_scene_text(const ChoiceResult& result, const Candidate& near
 
 /// Text for a scene or a file that none of the rays hits.
 std::string no_hit_text(const ChoiceResult& result, const Candidate& nearest) {
-    if (nearest.quality.hits > 0)
+    if (nearest.quality.true_hit_count > 0)
         return "  What limits it is not known: only some of the rays were examined for that, and none "
                "of them truly hits anything.\n";
     return fmt::format(

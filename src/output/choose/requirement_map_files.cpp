@@ -48,11 +48,11 @@ constexpr Rgb8 colour_of_none = colour_of(Outcome::not_a_number), colour_of_unkn
 /// Indices of the candidates that some pixel requires. The candidate that most pixels require comes first.
 std::vector<std::size_t> required_candidates(const RequirementMap& requirement_map) {
     std::vector<std::size_t> order;
-    for (std::size_t c = 0; c < requirement_map.pixels_cheapest.size(); ++c) {
-        if (requirement_map.pixels_cheapest[c] > 0) order.push_back(c);
+    for (std::size_t c = 0; c < requirement_map.cheapest_pixel_counts.size(); ++c) {
+        if (requirement_map.cheapest_pixel_counts[c] > 0) order.push_back(c);
     }
     std::ranges::stable_sort(order, std::ranges::greater(),
-                             [&requirement_map](std::size_t c) { return requirement_map.pixels_cheapest[c]; });
+                             [&requirement_map](std::size_t c) { return requirement_map.cheapest_pixel_counts[c]; });
     return order;
 }
 
@@ -60,15 +60,15 @@ std::vector<std::size_t> required_candidates(const RequirementMap& requirement_m
 class RequirementColours {
 public:
     RequirementColours(const ChoiceResult& result, const RequirementMap& requirement_map)
-        : candidate_colours_(requirement_map.pixels_cheapest.size(), colour_of_others) {
+        : candidate_colours_(requirement_map.cheapest_pixel_counts.size(), colour_of_others) {
         add_candidates(result, requirement_map);
         for (std::size_t f = 0; f < requirement_map.formats.size(); ++f) {
             format_colours_.push_back(image::distinct_colour(max_colours + f));
             add("right: " + requirement_map.formats[f].name, format_colours_.back(),
-                requirement_map.pixels_narrowest[f], requirement_map);
+                requirement_map.narrowest_pixel_counts[f], requirement_map);
         }
-        add("nothing meets the requirement", colour_of_none, requirement_map.pixels_none_meets, requirement_map);
-        add("unresolved", colour_of_unknown, requirement_map.pixels_unknown, requirement_map);
+        add("nothing meets the requirement", colour_of_none, requirement_map.unmet_pixel_count, requirement_map);
+        add("unresolved", colour_of_unknown, requirement_map.unknown_pixel_count, requirement_map);
     }
     [[nodiscard]] Rgb8 candidate_colour(int index) const { return colour_at(candidate_colours_, index); }
     [[nodiscard]] Rgb8 format_colour(int index) const { return colour_at(format_colours_, index); }
@@ -82,12 +82,12 @@ private:
         std::uint64_t other_pixels = 0;
         for (std::size_t k = 0; k < order.size(); ++k) {
             if (k >= coloured_count) {
-                other_pixels += requirement_map.pixels_cheapest[order[k]];
+                other_pixels += requirement_map.cheapest_pixel_counts[order[k]];
                 continue;
             }
             candidate_colours_[order[k]] = image::distinct_colour(k);
             add("left: " + name_of(result.candidates[order[k]]), candidate_colours_[order[k]],
-                requirement_map.pixels_cheapest[order[k]], requirement_map);
+                requirement_map.cheapest_pixel_counts[order[k]], requirement_map);
         }
         add(fmt::format("left: {} other choices", order.size() - coloured_count), colour_of_others, other_pixels,
             requirement_map);
@@ -98,15 +98,15 @@ private:
     }
     void add(std::string label, Rgb8 colour, std::uint64_t count, const RequirementMap& requirement_map) {
         if (count > 0)
-            legend_.push_back({std::move(label), colour, pixel::count_text(count, requirement_map.pixels())});
+            legend_.push_back({std::move(label), colour, pixel::count_text(count, requirement_map.pixel_count())});
     }
     std::vector<Rgb8> candidate_colours_, format_colours_;
     std::vector<LegendEntry> legend_;
 };
 
 std::string percent(std::uint64_t count, const RequirementMap& requirement_map) {
-    const double percentage = 100 * (static_cast<double>(count) / static_cast<double>(requirement_map.pixels()));
-    if (count == 0 || count == requirement_map.pixels()) return fmt::format("{}%", count == 0 ? 0 : 100);
+    const double percentage = 100 * (static_cast<double>(count) / static_cast<double>(requirement_map.pixel_count()));
+    if (count == 0 || count == requirement_map.pixel_count()) return fmt::format("{}%", count == 0 ? 0 : 100);
     return percentage < 0.1 ? fmt::format("{:.1g}%", percentage) : fmt::format("{:.4g}%", std::min(percentage, 99.99));
 }
 
@@ -117,17 +117,17 @@ std::vector<RequirementRow> make_requirement_rows(const ChoiceResult& result, co
     for (const std::size_t c : measure::choose::order_by_price(result.candidates)) {
         const Candidate& candidate = result.candidates[c];
         rows.push_back({candidate.tested_form.form->info->name, candidate.tested_form.format.name,
-                        candidate.time.median * 1e9, requirement_map.pixels_met[c], requirement_map.pixels_cheapest[c],
-                        requirement_map.pixels()});
+                        candidate.time.median * 1e9, requirement_map.met_pixel_counts[c],
+                        requirement_map.cheapest_pixel_counts[c], requirement_map.pixel_count()});
     }
     for (std::size_t f = 0; f < requirement_map.formats.size(); ++f)
         rows.push_back({"any",
                         requirement_map.formats[f].name,
                         {},
-                        requirement_map.pixels_any_form_meets[f],
-                        requirement_map.pixels_narrowest[f],
-                        requirement_map.pixels()});
-    rows.push_back({"none", "", {}, 0, requirement_map.pixels_none_meets, requirement_map.pixels()});
+                        requirement_map.met_by_any_form_pixel_counts[f],
+                        requirement_map.narrowest_pixel_counts[f],
+                        requirement_map.pixel_count()});
+    rows.push_back({"none", "", {}, 0, requirement_map.unmet_pixel_count, requirement_map.pixel_count()});
     return rows;
 }
 
@@ -167,16 +167,16 @@ void draw_requirement_map(const std::filesystem::path& path, const ChoiceResult&
 std::string requirement_map_text(const ChoiceResult& result, const RequirementMap& requirement_map) {
     std::string text = "Pixel by pixel, with any of the forms: ";
     for (std::size_t f = 0; f < requirement_map.formats.size(); ++f) {
-        text +=
-            fmt::format("{}{} {} {}", f == 0 ? "" : ", ", percent(requirement_map.pixels_narrowest[f], requirement_map),
-                        f == 0 ? "need no more than" : "need", requirement_map.formats[f].name);
+        text += fmt::format("{}{} {} {}", f == 0 ? "" : ", ",
+                            percent(requirement_map.narrowest_pixel_counts[f], requirement_map),
+                            f == 0 ? "need no more than" : "need", requirement_map.formats[f].name);
     }
-    if (requirement_map.pixels_none_meets > 0)
+    if (requirement_map.unmet_pixel_count > 0)
         text += fmt::format(", on {} nothing meets the requirement",
-                            percent(requirement_map.pixels_none_meets, requirement_map));
-    if (requirement_map.pixels_unknown > 0)
-        text +=
-            fmt::format(", for {} the truth is not proved", percent(requirement_map.pixels_unknown, requirement_map));
+                            percent(requirement_map.unmet_pixel_count, requirement_map));
+    if (requirement_map.unknown_pixel_count > 0)
+        text += fmt::format(", for {} the truth is not proved",
+                            percent(requirement_map.unknown_pixel_count, requirement_map));
     text += ".\n";
 
     // The gain of switching between forms.

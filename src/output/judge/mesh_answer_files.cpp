@@ -38,11 +38,12 @@ void add_list_columns(Table<MeshSummaryRow>& table) {
     const auto add = [&table](const char* name, const char* meaning, std::uint64_t MeshAnswersResult::*count) {
         table.add({name, meaning, [count](const MeshSummaryRow& row) { return row.result->*count; }});
     };
-    add("listed", "hits in the file", &MeshAnswersResult::listed_hits);
-    add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing_crossings);
-    add("false_hits", "hits that belong to no crossing", &MeshAnswersResult::false_hits);
-    add("double_hits", "hits of a crossing that has an earlier hit", &MeshAnswersResult::double_hits);
-    add("neighbour_hits", "hits of a triangle beside the triangle that is met", &MeshAnswersResult::neighbour_hits);
+    add("listed", "hits in the file", &MeshAnswersResult::listed_hit_count);
+    add("missing_hits", "crossings without a hit in the file", &MeshAnswersResult::missing_crossing_count);
+    add("false_hits", "hits that belong to no crossing", &MeshAnswersResult::false_hit_count);
+    add("double_hits", "hits of a crossing that has an earlier hit", &MeshAnswersResult::double_hit_count);
+    add("neighbour_hits", "hits of a triangle beside the triangle that is met",
+        &MeshAnswersResult::neighbour_hit_count);
 
     // Errors of the hits that belong to a crossing.
     const auto add_numbers = [&table](const std::string& name, const char* unit, const std::string& meaning,
@@ -98,7 +99,7 @@ std::vector<MeshFaultRow> mesh_fault_rows(const MeshAnswersResult& result) {
 std::string answer_arguments(const JudgedAnswer& answer, bool is_point) {
     const Vec<double>& origin = answer.ray.origin;
     if (is_point) return file::number_list(std::array{origin.x, origin.y, origin.z}, file::hex, ",");
-    scene::rays::RayGroup group = scene::rays::group_of(answer.ray);
+    scene::rays::RayGroup group = scene::rays::make_group(answer.ray);
     group.rays.tmin = {answer.range.tmin};
     group.rays.tmax = {answer.range.tmax};
     group.rays.open_ends = answer.range.open_ends;
@@ -132,11 +133,11 @@ Table<JudgedAnswer> make_mesh_answer_table(AnswerKind kind) {
     using J = measure::judge::ListJudgement;
     table.add({"true_crossings", "crossings of the surface", count_in_judgement(&J::crossings)});
     if (kind != AnswerKind::all_hits) return table;
-    table.add({"missing_hits", "crossings without a hit in the file", count_in_judgement(&J::missing_crossings)});
-    table.add({"false_hits", "hits that belong to no crossing", count_in_judgement(&J::false_hits)});
-    table.add({"double_hits", "hits of a crossing that has an earlier hit", count_in_judgement(&J::double_hits)});
+    table.add({"missing_hits", "crossings without a hit in the file", count_in_judgement(&J::missing_crossing_count)});
+    table.add({"false_hits", "hits that belong to no crossing", count_in_judgement(&J::false_hit_count)});
+    table.add({"double_hits", "hits of a crossing that has an earlier hit", count_in_judgement(&J::double_hit_count)});
     table.add({"neighbour_hits", "hits of a triangle beside the triangle that is met",
-               count_in_judgement(&J::neighbour_hits)});
+               count_in_judgement(&J::neighbour_hit_count)});
 
     return table.add({"ulp_error", "ulp", "largest |t - t*|/ulp(t*) of its hits", [](const R& r) {
                           double largest = measure::truth::missing;

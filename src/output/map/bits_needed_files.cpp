@@ -87,7 +87,7 @@ Table<BitsNeededRow> make_bits_needed_table() {
                     "correct bits that are asked for, B: the answer must be within half an ulp of a format with B "
                     "significand bits",
                     &R::bits},
-                   {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixels(); }}};
+                   {"pixels", "rays, one per pixel", [](const R& r) { return r.summary->pixel_count(); }}};
 
     // Statistics of the widths, over all pixels that have one and over the true hits.
     const auto add = [&table](const std::string& prefix, const char* population, const auto& counts_of) {

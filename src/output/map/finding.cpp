@@ -71,15 +71,15 @@ std::string wrong_decision_text(const FormSummary& summary) {
 
     // A kind that has more than half of the wrong decisions is named.
     for (const Fault& fault :
-         {Fault{Outcome::false_hit, summary.true_misses(), "hits", "empty rays"},
-          {Outcome::false_miss, summary.true_hits, "misses", "true hits"},
-          {Outcome::not_a_number, summary.rays, "returns NaN for", "rays"},
-          {Outcome::wrong_primitive, summary.true_hits, "hits the wrong primitive on", "true hits"}})
+         {Fault{Outcome::false_hit, summary.true_miss_count(), "hits", "empty rays"},
+          {Outcome::false_miss, summary.true_hit_count, "misses", "true hits"},
+          {Outcome::not_a_number, summary.ray_count, "returns NaN for", "rays"},
+          {Outcome::wrong_primitive, summary.true_hit_count, "hits the wrong primitive on", "true hits"}})
         if (2 * summary.count(fault.outcome) > wrong)
             return fmt::format(
                 "{} {}", fault.verb,
                 count_and_fraction_text(summary.count(fault.outcome), fault.population_size, fault.population));
-    return fmt::format("decides {} wrongly", count_and_fraction_text(wrong, summary.rays, "rays"));
+    return fmt::format("decides {} wrongly", count_and_fraction_text(wrong, summary.ray_count, "rays"));
 }
 
 std::string finding_text(const MapStudy& study, const std::vector<FormSummary>& summaries) {

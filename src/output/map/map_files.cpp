@@ -36,7 +36,7 @@ struct MapWriter::Parts {
     std::optional<table::TableFile<SummaryRow>> summary = {};
     std::optional<table::TableFile<Culprit>> culprits = {};
 
-    [[nodiscard]] table::Table<SummaryRow> summary_columns() const {
+    [[nodiscard]] table::Table<SummaryRow> make_summary_columns() const {
         auto table = make_summary_table(study.metrics, study.scene->shapes(), study.scene->mesh != nullptr,
                                         options.group_column);
         if (!options.is_list) return table;

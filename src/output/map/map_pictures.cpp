@@ -112,7 +112,7 @@ pixel::SheetFile MapPictures::describe_sheet(MapSheet& sheet) const {
 
 bool MapPictures::zooms(const MetricPaint& paint) const {
     return study_.scene->mesh != nullptr && paint.names_worst_ray() && options_.sheet_only_file.empty() &&
-           !options_.is_list && study_.scene->pixels() <= max_kept_pixels;
+           !options_.is_list && study_.scene->pixel_count() <= max_kept_pixels;
 }
 
 /// Makes the columns form by form, in the order in which they are drawn.
@@ -151,7 +151,7 @@ MapPictures::Column MapPictures::make_column(const Drawing& drawing) const {
         .subtitle = {title_of(*tested_form.form->info), drawing.paint->note()},
         .look = std::make_shared<const pixel::Look>(make_look(drawing)),
         .sheet_positions = {drawing.position},
-        .widest_caption = drawing.paint->widest_caption(scene.pixels()) +
+        .widest_caption = drawing.paint->widest_caption(scene.pixel_count()) +
                           worst_pixel_text(drawing, {.x = scene.width, .y = scene.height})};
     if (std::string note = input_note(scene, std::span(&tested_form, 1)); !note.empty() && !options_.is_list)
         spec.subtitle.push_back(std::move(note));
@@ -210,7 +210,7 @@ pixel::FinishedSheet MapPictures::describe_finished_sheet(std::size_t sheet,
         if (drawing.position.sheet != sheet) continue;
         const FormSummary& summary = summaries[drawing.form_index];
         cells.push_back({drawing.position.across, &summary});
-        nothing_hit &= summary.count(Outcome::agree_miss) == summary.rays;
+        nothing_hit &= summary.count(Outcome::agree_miss) == summary.ray_count;
     }
 
     // The sheet of a claim needs no headline, because it stands below the claim's sentence.

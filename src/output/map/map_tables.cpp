@@ -56,7 +56,7 @@ std::string worst_ray_command(const SummaryRow& row, const measure::evaluate::Wo
 Table<SummaryRow> make_summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                      bool has_meshes, std::string group_column) {
     using R = SummaryRow;
-    std::vector<SummaryColumn> ray_columns = measure::evaluate::summary_columns(metrics);
+    std::vector<SummaryColumn> ray_columns = measure::evaluate::make_summary_columns(metrics);
     std::erase_if(ray_columns, [has_meshes](const SummaryColumn& column) {
         return !column.is_in_tables || (column.only_for_meshes && !has_meshes);
     });
@@ -68,7 +68,7 @@ Table<SummaryRow> make_summary_table(const std::vector<const Metric*>& metrics, 
     add_columns(table, measure::evaluate::make_worst_columns(shapes));
     table.add({"worst_explain", "the command that explains the worst ray and prints these numbers again",
                [](const R& r) { return worst_ray_command(r, &r.summary->worst); }});
-    add_columns(table, measure::evaluate::wrong_decision_columns());
+    add_columns(table, measure::evaluate::make_wrong_decision_columns());
     table.add({"fault_explain", "the command that explains that ray",
                [](const R& r) { return worst_ray_command(r, r.summary->first_fault()); }});
     if (group_column.empty()) return table;

@@ -29,9 +29,9 @@ struct SummaryRow {
 };
 
 /// Columns of summary.csv: those of `measure::evaluate::summary_columns`, `make_worst_columns` and
-/// `wrong_decision_columns`. The last two groups end with the command that explains the ray. A cell without a sample is
-/// empty. If `has_meshes`, the rays are aimed at meshes and have the outcomes of meshes too. `group_column` is the
-/// column whose values group the rays; it stands first. If it is empty, there are no groups.
+/// `make_wrong_decision_columns`. The last two groups end with the command that explains the ray. A cell without a
+/// sample is empty. If `has_meshes`, the rays are aimed at meshes and have the outcomes of meshes too. `group_column`
+/// is the column whose values group the rays; it stands first. If it is empty, there are no groups.
 table::Table<SummaryRow> make_summary_table(const std::vector<const Metric*>& metrics, const std::vector<Shape>& shapes,
                                             bool has_meshes = false, std::string group_column = {});
 /// A row for all rays, then one for each group. `tested_form` is row `r` of the run.

@@ -50,7 +50,7 @@ std::string fault_fractions_text(const FormSummary& summary) {
     auto order = measure::evaluate::wrong_decisions;
     std::ranges::stable_sort(order, std::greater<>(), [&summary](Outcome o) { return summary.count(o); });
     const auto fraction_of_pixels = [&summary](std::uint64_t n, std::string_view name) {
-        return fmt::format("{} {}", percent(n, summary.rays), name);
+        return fmt::format("{} {}", percent(n, summary.ray_count), name);
     };
 
     std::vector<std::string> faults;
@@ -152,7 +152,8 @@ pixel::Look MetricPaint::look(bool has_mesh) const {
         look.make_legend = [*this](const pixel::CategoryCounts* counts, std::uint64_t pixels) {
             return counts ? make_culprit_legend(*counts) : make_widest_culprit_legend(pixels);
         };
-    for (std::size_t o = measure::answer::outcomes_without_mesh; !has_mesh && o < image::outcome_colours.size(); ++o)
+    for (std::size_t o = measure::answer::outcome_count_without_mesh; !has_mesh && o < image::outcome_colours.size();
+         ++o)
         look.categories[index_of(static_cast<Outcome>(o))].name.clear();
     return look;
 }
@@ -169,7 +170,7 @@ std::vector<LegendEntry> MetricPaint::make_widest_culprit_legend(std::uint64_t p
 std::vector<LegendEntry> MetricPaint::make_culprit_legend(const pixel::CategoryCounts& category_counts) const {
     const pixel::CategoryCounts counts(category_counts.begin(),
                                        category_counts.begin() + static_cast<std::ptrdiff_t>(value_category_count_));
-    const std::uint64_t blamed_ray_count = measure::attribution::rays_with_culprit(counts);
+    const std::uint64_t blamed_ray_count = measure::attribution::count_rays_with_culprit(counts);
 
     // The most frequent culprits have an entry each; the others are counted together.
     std::vector<LegendEntry> entries;
@@ -229,7 +230,7 @@ std::string MetricPaint::quantile_note() const {
 
 std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t metric_index) const {
     if (metric_->depends_on_forms) return culprit_summary(summary.categories[metric_index]);
-    if (!metric_->categories.empty()) return category_summary(summary.categories[metric_index], summary.rays);
+    if (!metric_->categories.empty()) return category_summary(summary.categories[metric_index], summary.ray_count);
     const measure::metric::Distribution& distribution = summary.metrics[metric_index];
     return is_of_hits() ? hit_summary(summary, distribution) : distribution_summary(distribution);
 }
@@ -237,7 +238,7 @@ std::string MetricPaint::short_summary(const FormSummary& summary, std::size_t m
 std::string MetricPaint::culprit_summary(const std::vector<std::uint64_t>& counts) const {
     const auto order = culprits_by_count(counts);
     if (order.empty()) return "no culprit";
-    const std::uint64_t blamed_ray_count = measure::attribution::rays_with_culprit(counts);
+    const std::uint64_t blamed_ray_count = measure::attribution::count_rays_with_culprit(counts);
     return fmt::format("{} of {} culprits:\n{}", percent(counts[order.front()], blamed_ray_count), blamed_ray_count,
                        shorten(metric_->categories[order.front()], summary_culprit_letters));
 }

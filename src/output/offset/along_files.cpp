@@ -73,7 +73,7 @@ void OffsetsAlongAxisWriter::plot_wrong(std::size_t form_index, Side side) const
         spec.series.push_back(make_series(
             form_index, side,
             [k](const SideSummary& summary) {
-                return measure::truth::fraction(summary.strategies[k].bad_rays, summary.rays);
+                return measure::truth::fraction(summary.strategies[k].bad_ray_count, summary.ray_count);
             },
             study_.strategies[k]));
 

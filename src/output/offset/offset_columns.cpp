@@ -15,7 +15,9 @@ table::Table<StrategyRow> number_columns() {
     using OfSide = measure::offset::SideSummary;
     using OfStrategy = measure::offset::StrategySummary;
     const auto rays_with = [](Fault fault) {
-        return [fault](const R& r) { return fraction_or_missing(r.strategy_summary()[fault], r.side_summary().rays); };
+        return [fault](const R& r) {
+            return fraction_or_missing(r.strategy_summary()[fault], r.side_summary().ray_count);
+        };
     };
     const auto points_with = [](std::uint64_t OfSide::*points) {
         return [points](const R& r) { return fraction_or_missing(r.side_summary().*points, r.summary->points); };
@@ -24,9 +26,12 @@ table::Table<StrategyRow> number_columns() {
     Table<R> table{
         {"points", "pixels where the form hits the primitive that the ray truly hits first, and the point is finite",
          [](const R& r) { return r.summary->points; }},
-        {"rays", "next rays that leave these points to this side", [](const R& r) { return r.side_summary().rays; }},
+        {"rays", "next rays that leave these points to this side",
+         [](const R& r) { return r.side_summary().ray_count; }},
         {"bad_fraction", "share of rays with any fault other than a start on the wrong side, which alone harms nothing",
-         [](const R& r) { return fraction_or_missing(r.strategy_summary().bad_rays, r.side_summary().rays); }},
+         [](const R& r) {
+             return fraction_or_missing(r.strategy_summary().bad_ray_count, r.side_summary().ray_count);
+         }},
         {"self_hit_fraction",
          "share of rays that truly meet the primitive that they leave, except for its far wall; for rays into the "
          "primitive: the surface at which they start",
@@ -62,12 +67,12 @@ table::Table<StrategyRow> number_columns() {
          {"oversize_p99", "the same: 99th percentile", percentile(&OfStrategy::size_ratio, 99)},
          {"oversize_max", "the same: largest", percentile(&OfStrategy::size_ratio, 100)},
          {"too_small_fraction", "share of these points whose offset is less than the smallest safe one",
-          [](const OfStrategy& s) { return fraction_or_missing(s.too_small_points, s.size_ratio.count()); }}},
+          [](const OfStrategy& s) { return fraction_or_missing(s.too_small_point_count, s.size_ratio.count()); }}},
         &R::strategy_summary);
-    table.add(
-        {{"already_safe_fraction", "share of points that need no offset", points_with(&OfSide::already_safe_points)},
-         {"never_safe_fraction", "share of points that no offset along the normal makes safe",
-          points_with(&OfSide::never_safe_points)}});
+    table.add({{"already_safe_fraction", "share of points that need no offset",
+                points_with(&OfSide::already_safe_point_count)},
+               {"never_safe_fraction", "share of points that no offset along the normal makes safe",
+                points_with(&OfSide::never_safe_point_count)}});
     table.add<OfSide>(
         {{"safe_p50", "world units", "smallest safe offset of the points that have one, 0 among them: median",
           percentile(&OfSide::safe_offset, 50)},
@@ -81,7 +86,7 @@ table::Table<StrategyRow> number_columns() {
     table.add(
         {"never_quiet_fraction",
          "share of points that no offset along the normal makes safe both by truth and by the form's own arithmetic",
-         points_with(&OfSide::never_quiet_points)});
+         points_with(&OfSide::never_quiet_point_count)});
     table.add<OfSide>(
         {{"quiet_p50", "world units", "smallest offset that is safe by truth and by the form's arithmetic: median",
           percentile(&OfSide::quiet_offset, 50)},
@@ -106,7 +111,7 @@ table::Table<StrategyRow> OffsetPresentation::make_summary_table() {
                                     "format of all computations"),
         [](const R& r) -> const auto& { return r.offset_form->tested_form; });
     table.add({"operations", "operations per new ray, as the strategy is written",
-               [](const R& r) { return r.strategy->operations(r.offset_form->tested_form.form->shape); }});
+               [](const R& r) { return r.strategy->operation_count(r.offset_form->tested_form.form->shape); }});
     table.add(number_columns());
     return table;
 }

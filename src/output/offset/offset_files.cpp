@@ -89,9 +89,9 @@ void add_notes(const OffsetStudy& study, std::size_t line, const measure::offset
                          file::short_decimal(side.safe_offset.quantile(1), 2))});
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
         const auto& strategy = side.strategies[k];
-        std::string note = side.rays > 0 && strategy.bad_rays == 0
+        std::string note = side.ray_count > 0 && strategy.bad_ray_count == 0
                                ? "every ray right"
-                               : pixel::fraction_text(strategy.bad_rays, side.rays) + " of rays wrong";
+                               : pixel::fraction_text(strategy.bad_ray_count, side.ray_count) + " of rays wrong";
         if (const double size_ratio = strategy.size_ratio.quantile(0.5); size_ratio > 0)
             note += fmt::format("\n{} x needed", file::short_decimal(size_ratio, 3));
         notes.push_back({{k + 1, line}, std::move(note)});
@@ -221,7 +221,7 @@ Table<study::PixelInBand<OffsetBand>> OffsetPresentation::make_pixel_table(const
                         [side, k](const R& r) { return r.band->at(r.i, side, k)[Fault::self_hit]; }},
                        {short_name(strategy) + "_bad_" + name,
                         rays + " with any fault except a start on the wrong side, which alone does no harm",
-                        [side, k](const R& r) { return r.band->at(r.i, side, k).bad_rays; }}});
+                        [side, k](const R& r) { return r.band->at(r.i, side, k).bad_ray_count; }}});
         }
     }
     return table;
@@ -243,7 +243,7 @@ namespace {
 std::string faultless_strategies(const OffsetStudy& study, const measure::offset::SideSummary& side_summary) {
     std::string names;
     for (std::size_t k = 0; k < study.strategies.size(); ++k) {
-        if (side_summary.strategies[k].bad_rays > 0) continue;
+        if (side_summary.strategies[k].bad_ray_count > 0) continue;
         names += fmt::format("{}{}", names.empty() ? "" : ", ", short_name(*study.strategies[k]));
     }
     return names.empty() ? "no strategy" : names;
@@ -254,12 +254,12 @@ std::string safe_offset_text(const measure::offset::SideSummary& side_summary) {
     const double largest = side_summary.safe_offset.quantile(1);
     if (std::isnan(largest))
         return fmt::format("no offset is safe at any of {}",
-                           text::count_with_noun(side_summary.never_safe_points, "point"));
+                           text::count_with_noun(side_summary.never_safe_point_count, "point"));
     return fmt::format("smallest safe offset up to {}{}", file::short_decimal(largest, 3),
-                       side_summary.never_safe_points == 0 ? ""
-                       : side_summary.never_safe_points == 1
+                       side_summary.never_safe_point_count == 0 ? ""
+                       : side_summary.never_safe_point_count == 1
                            ? " (1 point has none)"
-                           : fmt::format(" ({} points have none)", side_summary.never_safe_points));
+                           : fmt::format(" ({} points have none)", side_summary.never_safe_point_count));
 }
 
 }  // namespace
@@ -272,17 +272,18 @@ std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t for
                                              offset_form.tested_form.format.name, name_of(offset_form.point_kind));
     for (const Side side : measure::offset::both_sides) {
         const measure::offset::SideSummary& side_summary = summary.side_summary(side);
-        lines.push_back(fmt::format("{} {}: {}; right for all {}: {}", row_text, name_of(side),
-                                    safe_offset_text(side_summary), text::count_with_noun(side_summary.rays, "ray"),
-                                    faultless_strategies(study, side_summary)));
+        lines.push_back(fmt::format(
+            "{} {}: {}; right for all {}: {}", row_text, name_of(side), safe_offset_text(side_summary),
+            text::count_with_noun(side_summary.ray_count, "ray"), faultless_strategies(study, side_summary)));
     }
 
-    const auto strategies_for_both_sides = measure::offset::safe_strategies(
+    const auto strategies_for_both_sides = measure::offset::find_safe_strategies(
         summary, study.strategies, offset_form.tested_form.form->shape, measure::offset::both_sides);
     if (!strategies_for_both_sides.empty())
-        lines.push_back(fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
-                                    strategies_for_both_sides.front().strategy->name,
-                                    text::count_with_noun(strategies_for_both_sides.front().operations, "operation")));
+        lines.push_back(
+            fmt::format("{}: the cheapest strategy that is right on both sides is {}, with {}", row_text,
+                        strategies_for_both_sides.front().strategy->name,
+                        text::count_with_noun(strategies_for_both_sides.front().operation_count, "operation")));
     return lines;
 }
 

@@ -12,7 +12,7 @@ using image::LegendEntry;
 
 ColumnWriter::ColumnWriter(PictureFiles files, std::vector<ColumnSpec> columns)
     : width_(static_cast<std::size_t>(files.scene.width)),
-      pixels_(files.scene.pixels()),
+      pixels_(files.scene.pixel_count()),
       has_single_pictures_(!files.single_picture_folder.empty()),
       columns_(std::move(columns)),
       captions_(columns_.size()) {
@@ -47,7 +47,7 @@ void ColumnWriter::open_single(const PictureFiles& files, const ColumnSpec& colu
                             .height = scene.height,
                             .scale = column.look->scale,
                             .bar_label = column.look->unit,
-                            .legend = column.look->widest_legend(scene.pixels()),
+                            .legend = column.look->widest_legend(scene.pixel_count()),
                             .widest_caption = column.widest_caption};
     spec.subtitle.insert(spec.subtitle.end(), column.subtitle.begin(), column.subtitle.end());
     single.heatmap = std::make_unique<image::HeatmapWriter>(path, std::move(spec));

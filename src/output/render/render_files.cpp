@@ -57,9 +57,9 @@ table::Table<S> number_columns() {
 
         // Pixels in doubt, and changed pixels
         {"unresolved", "pixels whose content, shadow or colour could not be proved", &S::unresolved_count},
-        {"changed", "pixels with a byte that differs from the certified picture", &S::changed_pixels},
+        {"changed", "pixels with a byte that differs from the certified picture", &S::changed_pixel_count},
         {"changed_fraction", "1", "changed, as a share of all pixels",
-         [](const S& r) { return table::fraction_or_missing(r.changed_pixels, r.pixels); }},
+         [](const S& r) { return table::fraction_or_missing(r.changed_pixel_count, r.pixels); }},
 
         // Errors of colours, normals and points
         {"colour_error_mean", "8-bit steps",
@@ -69,7 +69,7 @@ table::Table<S> number_columns() {
          percentile(&S::colour_error, 50)},
         {"colour_error_p99", "8-bit steps", "99th percentile of the same", percentile(&S::colour_error, 99)},
         {"colour_error_max", "8-bit steps", "largest of the same", percentile(&S::colour_error, 100)},
-        {"colour_not_a_number", "pixels with a channel at NaN", &S::colour_not_a_number},
+        {"colour_not_a_number", "pixels with a channel at NaN", &S::nan_colour_count},
         {"normal_angle_p50", "rad", "median angle between computed and true normal, on the same sphere",
          percentile(&S::normal_angle, 50)},
         {"normal_angle_p99", "rad", "99th percentile of the same", percentile(&S::normal_angle, 99)},
@@ -81,7 +81,7 @@ table::Table<S> number_columns() {
 
         // Light and shadow on spheres
         {"faces_away", "same_sphere, on the side away from the light",
-         [](const S& r) { return table::when(r.rule.has_diffuse, r.faces_away); }},
+         [](const S& r) { return table::when(r.rule.has_diffuse, r.facing_away_count); }},
         {"surface_lit", "same_sphere that faces the light and truly gets it", truly_lit(Receiver::sphere)},
         {"surface_shadowed", "same_sphere that faces the light, truly blocked by another sphere",
          truly_shadowed(Receiver::sphere)},
@@ -113,7 +113,7 @@ table::Table<S> number_columns() {
         // Appearance of the scene itself
         {"light_in_shadow_fraction", "1",
          "share of the certified picture's points that face the light, are in shadow, and get diffuse light anyway",
-         [](const S& r) { return shadow_fraction(r, r.light_in_true_shadow, r.truly_shadowed_points); }}};
+         [](const S& r) { return shadow_fraction(r, r.lit_in_true_shadow_count, r.truly_shadowed_point_count); }}};
 }
 
 }  // namespace

@@ -160,8 +160,9 @@ private:
     }
 
     [[nodiscard]] bool any_stage_has(bool ShadeRule::*property) const {
-        return std::ranges::any_of(
-            study_.stages, [&](Stage s) { return measure::render::shade_rule(study_.scene.appearance, s).*property; });
+        return std::ranges::any_of(study_.stages, [&](Stage s) {
+            return measure::render::make_shade_rule(study_.scene.appearance, s).*property;
+        });
     }
 
     template <class ValueOf>
@@ -232,15 +233,15 @@ std::vector<study::Note> RenderPresentation::notes(const RenderStudy& study,
 }
 
 std::string thumbnail_note(const RenderSummary& summary) {
-    std::string text = summary.changed_pixels == 0
+    std::string text = summary.changed_pixel_count == 0
                            ? "every pixel right"
-                           : fraction_text(summary.changed_pixels, summary.pixels) + " wrong colour";
-    if (const std::uint64_t wrong = summary.wrong_pixels())
+                           : fraction_text(summary.changed_pixel_count, summary.pixels) + " wrong colour";
+    if (const std::uint64_t wrong = summary.wrong_pixel_count())
         text += fmt::format("\n{} wrong sphere", fraction_text(wrong, summary.pixels));
     if (!summary.rule.has_shadows) return text;
     const auto acne = summary.count(measure::render::Receiver::sphere, Shadow::own_shadow);
     if (acne > 0) text += fmt::format("\n{} acne", fraction_text(acne, summary.pixels));
-    if (const auto flips = summary.flipped_shadows())
+    if (const auto flips = summary.flipped_shadow_count())
         text += fmt::format("{}{} shadow flips", acne > 0 ? ", " : "\n", flips);
     return text;
 }

@@ -142,8 +142,10 @@ std::string change_text(const RepairSummary& summary, const FormRow& row) {
             ? fmt::format("{} in {}", statement_names(summary, *row.wider_set), wider_format_name(summary.repair.wider))
             : row.name,
         kept_bits_text(old_quality, requirement), kept_bits_text(new_quality, requirement),
-        new_quality.wrong == 0 ? "no wrong decision" : fmt::format("{} wrong decisions", new_quality.wrong));
-    if (old_quality.wrong != new_quality.wrong) text += fmt::format(" instead of {}", old_quality.wrong);
+        new_quality.wrong_count == 0 ? "no wrong decision"
+                                     : fmt::format("{} wrong decisions", new_quality.wrong_count));
+    if (old_quality.wrong_count != new_quality.wrong_count)
+        text += fmt::format(" instead of {}", old_quality.wrong_count);
     if (row.price)
         text +=
             fmt::format(", {:+.2g} ns a ray", (row.price->packed.median - summary.prices.front().packed.median) * 1e9);
@@ -231,8 +233,8 @@ Table<FormRow> make_form_table() {
     table.add(choose::make_quality_columns(), &R::quality);
     table.add({"meets", "true if it meets the requirement", &R::meets_requirement});
     table.add<FormQuality>(
-        {{"apart_rays", "rays that the search did not use; missing if they were not measured", &FormQuality::rays},
-         {"apart_wrong", "number of these that are decided wrongly", &FormQuality::wrong},
+        {{"apart_rays", "rays that the search did not use; missing if they were not measured", &FormQuality::ray_count},
+         {"apart_wrong", "number of these that are decided wrongly", &FormQuality::wrong_count},
          {"apart_kept_bits", "bits", "bits kept on these", or_missing(&FormQuality::kept_bits)}},
         &R::held_out_quality);
 
@@ -258,8 +260,8 @@ Table<MinimalRow> make_minimal_table() {
          &R::operation},
         {"step", "its index among the form's operations, from 1; operations on constants alone are not counted",
          &R::step},
-        {"rays", "rays whose truth is known", [](const R& r) { return r.quality_without->rays; }},
-        {"wrong", "rays decided wrongly without it", [](const R& r) { return r.quality_without->wrong; }},
+        {"rays", "rays whose truth is known", [](const R& r) { return r.quality_without->ray_count; }},
+        {"wrong", "rays decided wrongly without it", [](const R& r) { return r.quality_without->wrong_count; }},
         {"kept_bits", "bits", "bits kept without it",
          or_missing([](const R& r) { return r.quality_without->kept_bits; })},
         {"meets", "true if the requirement is met without it: always 0, or the set would not be minimal",
@@ -309,8 +311,8 @@ Table<ProbeRow> probe_table() {
          "rays and primitives moved together: yzx, zxy, yxz: axes in that order; mirrored: in x, y and z; "
          "quarter_turn: about z; rotated: by 147 degrees about (1, 2, 3)",
          &R::probe}};
-    table.add<FormQuality>({{"rays", "rays whose truth is known", &FormQuality::rays},
-                            {"wrong", "number of these that are decided wrongly", &FormQuality::wrong},
+    table.add<FormQuality>({{"rays", "rays whose truth is known", &FormQuality::ray_count},
+                            {"wrong", "number of these that are decided wrongly", &FormQuality::wrong_count},
                             {"kept_bits", "bits", "bits kept", or_missing(&FormQuality::kept_bits)}},
                            &R::quality);
     return table.add({"meets", "true if it meets the requirement there", &R::meets_requirement});

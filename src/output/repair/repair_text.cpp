@@ -29,8 +29,9 @@ std::string quality_text(const FormQuality& quality, const measure::choose::Requ
     const std::string bits = std::isnan(quality.kept_bits)
                                  ? "no bits, because form and truth agree on no hit"
                                  : choose::kept_bits_text(quality.kept_bits, requirement) + " bits";
-    if (quality.wrong == 0) return bits + ", no wrong decision";
-    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong, text::count_with_noun(quality.rays, "ray"));
+    if (quality.wrong_count == 0) return bits + ", no wrong decision";
+    return fmt::format("{}, {} of {} decided wrongly", bits, quality.wrong_count,
+                       text::count_with_noun(quality.ray_count, "ray"));
 }
 
 /// Predicate of a sentence: `keep 22.1 bits and decide no ray wrongly`.
@@ -39,9 +40,9 @@ std::string quality_clause(const FormQuality& quality, const measure::choose::Re
         std::isnan(quality.kept_bits)
             ? "agree with the truth on no hit"
             : fmt::format("keep {} bits", choose::kept_bits_text(quality.kept_bits, requirement));
-    if (quality.wrong == 0) return predicate + " and decide no ray wrongly";
-    return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong,
-                       text::count_with_noun(quality.rays, "ray"));
+    if (quality.wrong_count == 0) return predicate + " and decide no ray wrongly";
+    return fmt::format("{} and decide {} of {} wrongly", predicate, quality.wrong_count,
+                       text::count_with_noun(quality.ray_count, "ray"));
 }
 
 std::string margin_text(const GrowthMargin& margin, const RepairSummary& summary) {
@@ -85,7 +86,8 @@ std::string change_listing(const RepairSummary& summary, std::size_t k) {
 }
 
 /// Accuracy on the rays that the search did not use. `on_searched` is the accuracy on the rays of the search.
-std::string held_out_text(const RepairSummary& summary, const FormQuality& on_searched, const FormQuality& held_out) {
+std::string held_out_text(const RepairSummary& summary, const FormQuality& on_searched,
+                          const FormQuality& held_out_quality) {
     const auto& repair = summary.repair;
     const std::string rays_text =
         summary.request.scene
@@ -93,9 +95,9 @@ std::string held_out_text(const RepairSummary& summary, const FormQuality& on_se
                           repair.held_out_scene.height)
             : fmt::format("all {} of the file", text::count_with_noun(summary.request.rays->ray_count, "ray"));
     std::string text = fmt::format("  On {}: {}; without the change: {}.\n", rays_text,
-                                   quality_text(held_out, summary.request.requirement),
+                                   quality_text(held_out_quality, summary.request.requirement),
                                    quality_text(repair.own_held_out_quality, summary.request.requirement));
-    if (on_searched.meets(summary.request.requirement) && !held_out.meets(summary.request.requirement))
+    if (on_searched.meets(summary.request.requirement) && !held_out_quality.meets(summary.request.requirement))
         text += fmt::format("  There it does not meet the requirement: it was found for the {} only.\n",
                             summary.request.scene ? "pixels of this scene" : "rays that the search kept");
     return text;
@@ -103,10 +105,10 @@ std::string held_out_text(const RepairSummary& summary, const FormQuality& on_se
 
 std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairSummary& summary) {
     if (margins.empty()) return "";
-    const auto ray_count =
-        summary.request.scene
-            ? measure::choose::with_smaller_picture(*summary.request.scene, measure::repair::few_rays_count).pixels()
-            : summary.request.rays->sample.rays.size();
+    const auto ray_count = summary.request.scene ? measure::choose::with_smaller_picture(
+                                                       *summary.request.scene, measure::repair::few_rays_count)
+                                                       .pixel_count()
+                                                 : summary.request.rays->sample.rays.size();
     std::string text =
         fmt::format("  How far it holds on {} of the {} as {}:\n", text::count_with_noun(ray_count, "ray"),
                     summary.request.scene ? "scene" : "file", summary.request.scene ? "it is" : "they are");
@@ -115,7 +117,7 @@ std::string margins_text(const std::vector<GrowthMargin>& margins, const RepairS
 }
 
 /// Lists the probes on whose rays the form meets the requirement, and those on whose rays it fails.
-std::string probes_text(const RepairSummary& summary, const std::vector<FormQuality>& probed) {
+std::string probes_text(const RepairSummary& summary, const std::vector<FormQuality>& probe_qualities) {
     const auto& requirement = summary.request.requirement;
     if (summary.repair.probes.empty())
         return "  Exchanged axes were not tried: the scene has a sphereflake, a mesh from a file, or more than 1024 "
@@ -124,10 +126,10 @@ std::string probes_text(const RepairSummary& summary, const std::vector<FormQual
     // Neighbouring probes that fail alike share a sentence.
     std::vector<std::string> met_probes;
     std::vector<std::pair<std::string, std::vector<std::string>>> failed_probes;  // each quality, and its probes
-    for (std::size_t k = 0; k < probed.size(); ++k) {
+    for (std::size_t k = 0; k < probe_qualities.size(); ++k) {
         const std::string probe_text(summary.repair.probes[k]->description);
-        const std::string quality = quality_text(probed[k], requirement);
-        if (probed[k].meets(requirement)) met_probes.push_back(probe_text);
+        const std::string quality = quality_text(probe_qualities[k], requirement);
+        if (probe_qualities[k].meets(requirement)) met_probes.push_back(probe_text);
         else if (!failed_probes.empty() && failed_probes.back().first == quality)
             failed_probes.back().second.push_back(probe_text);
         else failed_probes.push_back({quality, {probe_text}});
@@ -135,7 +137,7 @@ std::string probes_text(const RepairSummary& summary, const std::vector<FormQual
 
     std::string text;
     const std::string condition = fmt::format("if rays and primitives are moved together ({})",
-                                              text::count_with_noun(summary.repair.probed_rays, "ray"));
+                                              text::count_with_noun(summary.repair.probed_ray_count, "ray"));
     if (!met_probes.empty()) text += fmt::format("  It also holds {}: {}.\n", condition, fmt::join(met_probes, "; "));
     for (const auto& [quality, probes] : failed_probes)
         text += fmt::format("  It fails {}: {}. Then it keeps {}.\n", condition, fmt::join(probes, "; "), quality);
@@ -163,8 +165,8 @@ std::string symmetric_set_text(const RepairSummary& summary) {
                         symmetric_set.group_count, symmetric_set.total_group_count,
                         symmetric_set.is_smallest ? "no groups with fewer operations are enough (all were tried)"
                                                   : "none of these can be spared");
-    return text + probes_text(summary, symmetric_set.probed) +
-           held_out_text(summary, symmetric_set.quality, symmetric_set.held_out) +
+    return text + probes_text(summary, symmetric_set.probe_qualities) +
+           held_out_text(summary, symmetric_set.quality, symmetric_set.held_out_quality) +
            margins_text(summary.symmetric_margins, summary);
 }
 
@@ -213,7 +215,7 @@ std::string obstruction_text(const RepairSummary& summary) {
     const auto& form = *summary.request.tested_form.form->info;
 
     // Requirements that no precision can meet.
-    if (summary.repair.own_quality.hits == 0)
+    if (summary.repair.own_quality.true_hit_count == 0)
         return "  In the way: no ray truly hits anything, so no t has bits to keep.\n";
     if (requirement.bits > summary.request.tested_form.format.parameters.precision)
         return fmt::format("  In the way: {} has {} bits. Try a wider format.\n",
@@ -222,7 +224,7 @@ std::string obstruction_text(const RepairSummary& summary) {
 
     // Results of the operations without any rounding.
     std::string exact_text = "without any rounding, its operations " + quality_clause(exact, requirement);
-    if (exact.wrong > 0)
+    if (exact.wrong_count > 0)
         exact_text +=
             fmt::format(" ({} of these are {})", exact.main_fault_count,
                         exact.main_fault == measure::answer::Outcome::false_hit ? "false hits" : "missed hits");
@@ -266,7 +268,8 @@ std::string rewritten_text(const RepairSummary& summary, std::size_t k) {
 
     // Its changes, and its quality on other rays.
     text += change_listing(summary, list_proposals(summary).size() - summary.repair.rewriting.forms.size() + k);
-    text += held_out_text(summary, rewritten.quality, rewritten.held_out) + probes_text(summary, rewritten.probed);
+    text += held_out_text(summary, rewritten.quality, rewritten.held_out_quality) +
+            probes_text(summary, rewritten.probe_qualities);
     return k < summary.rewritten_margins.size() ? text + margins_text(summary.rewritten_margins[k], summary) : text;
 }
 
@@ -363,15 +366,15 @@ std::vector<Proposal> list_proposals(const RepairSummary& summary) {
     if (const auto& set = repair.symmetric)
         proposals.push_back({.tape = widen_operations(repair, set->operations),
                              .quality = &set->quality,
-                             .held_out_quality = &set->held_out,
-                             .probe_qualities = &set->probed,
+                             .held_out_quality = &set->held_out_quality,
+                             .probe_qualities = &set->probe_qualities,
                              .wider_operations = &set->operations,
                              .is_symmetric_set = true});
     for (const auto& rewritten : repair.rewriting.forms)
         proposals.push_back({.tape = rewritten.tape,
                              .quality = &rewritten.quality,
-                             .held_out_quality = &rewritten.held_out,
-                             .probe_qualities = &rewritten.probed,
+                             .held_out_quality = &rewritten.held_out_quality,
+                             .probe_qualities = &rewritten.probe_qualities,
                              .rewritten = &rewritten});
 
     // The first price is that of the form itself.
@@ -457,7 +460,7 @@ std::string repair_text(const RepairSummary& summary) {
     text += catalogue_text(summary);
     text += prices_text(summary);
     return text + fmt::format("Tried {} on all {}.\n", text::count_with_noun(repair.tried_count, "candidate"),
-                              text::count_with_noun(summary.request.scene ? summary.request.scene->pixels()
+                              text::count_with_noun(summary.request.scene ? summary.request.scene->pixel_count()
                                                                           : summary.request.rays->sample.rays.size(),
                                                     "ray"));
 }

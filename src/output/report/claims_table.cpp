@@ -157,7 +157,7 @@ std::string measured_cell(const ClaimResult& result) {
             ? fmt::format("in each of {} draws ", spread.draws)
             : fmt::format("{} to {} over {} draws ", number_html(spread.low), number_html(spread.high), spread.draws);
     return fmt::format("{}<br><small>{}of {} random samples</small>", number_html(result.measured), draws,
-                       result.samples);
+                       result.sample_count);
 }
 
 std::string tile(std::size_t n, const char* text, const char* style) {

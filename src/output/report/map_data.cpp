@@ -185,7 +185,7 @@ private:
 };
 
 MapData::MapData(const MapStudy& study) : study_(study) {
-    const std::size_t pixel_count = study.scene->pixels();
+    const std::size_t pixel_count = study.scene->pixel_count();
     for (const TestedForm& tested_form : study.tested_forms) {
         const auto known_group = std::ranges::find_if(
             groups_, [&tested_form](const auto& g) { return g->kind == map::truth_key(tested_form); });
@@ -271,7 +271,7 @@ Json summary_json(const MapStudy& study, const TestedForm& tested_form, const Fo
 
             // its results
             {"outcomes", summary.outcomes},
-            {"true_hits", summary.true_hits},
+            {"true_hits", summary.true_hit_count},
             {"statistics", statistics_json(study, summary)},
             {"worst_explain",
              worst ? attribution::explain_command(

@@ -24,7 +24,7 @@ namespace {
 /// `summary_at(cell)` is the result of the row in that cell.
 Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vector<const Metric*>& metrics,
               std::size_t cell_count, const auto& summary_at) {
-    const auto columns = measure::evaluate::summary_columns(metrics);
+    const auto columns = measure::evaluate::make_summary_columns(metrics);
     Json values = Json::array(), outcomes = Json::array(), true_hits = Json::array();
 
     for (const std::string_view name : sweep_statistics) {
@@ -36,7 +36,7 @@ Json row_json(const measure::evaluate::TestedForm& tested_form, const std::vecto
 
     for (std::size_t c = 0; c < cell_count; ++c) {
         outcomes.push_back(summary_at(c).outcomes);
-        true_hits.push_back(summary_at(c).true_hits);
+        true_hits.push_back(summary_at(c).true_hit_count);
     }
 
     return {{"form", tested_form.form->info->name},
@@ -113,7 +113,7 @@ Json case_json(const measure::sweep::CaseRequest& request, const std::vector<std
     const scene::sweep::CaseFile& file = request.file;
     const std::size_t inherent_index = measure::metric::index_of(request.metrics, "inherent_bits");
     Json names = Json::array();
-    for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.note_of(i)}));
+    for (std::size_t i = 0; i < file.size(); ++i) names.push_back(Json::array({file.name(i), file.case_note(i)}));
 
     // The file, its results, and for each row the verdicts and the bits that the inputs cost.
     return with_rows(

@@ -89,7 +89,7 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
     text += fmt::format("<td class=\"n\">{}</td>", summary.count(measure::answer::Outcome::agree_hit));
 
     // Quantiles are withheld if too few hits agree.
-    if (summary.true_hits > 0 && !summary.agreement().is_enough()) {
+    if (summary.true_hit_count > 0 && !summary.agreement().is_enough()) {
         text += fmt::format("<td class=\"few\" colspan=\"4\">{}</td>", summary.agreement().too_few_text());
     } else {
         for (const char* name : {"lost_bits_p50", "lost_bits_p99", "lost_bits_max", "excess_bits_p99"})
@@ -101,7 +101,7 @@ std::string summary_table_row(const scene::file::Scene& scene, const TestedForm&
 }  // namespace
 
 std::string summary_table(const MapStudy& study, const std::vector<FormSummary>& summaries) {
-    const auto columns = measure::evaluate::summary_columns(study.metrics);
+    const auto columns = measure::evaluate::make_summary_columns(study.metrics);
     const std::vector<ShownColumn> count_columns = count_columns_for(*study.scene);
     std::string text = summary_table_head(count_columns);
     for (std::size_t r = 0; r < summaries.size(); ++r) {

@@ -41,7 +41,8 @@ void fields(Archive& archive, scene::rays::RayGroup& group) {
 LOSTBITS_FIELDS(measure::truth::StageCounts, binary64, double_double, ball, interval)
 LOSTBITS_FIELDS(measure::evaluate::WorstRay, x, y, group, primitive_index, size, ray, primitive, t, outcome, ulps,
                 truth, touching, given)
-LOSTBITS_FIELDS(measure::evaluate::FormSummary, rays, views, outcomes, true_hits, metrics, categories, worst, faults)
+LOSTBITS_FIELDS(measure::evaluate::FormSummary, ray_count, view_count, outcomes, true_hit_count, metrics, categories,
+                worst, faults)
 
 template <class Archive>
 void fields(Archive& archive, measure::evaluate::BitsNeededSummary& summary) {
@@ -51,29 +52,29 @@ void fields(Archive& archive, measure::evaluate::BitsNeededSummary& summary) {
             misses_beyond, unresolved);
 }
 
-LOSTBITS_FIELDS(measure::sweep::SweepStep, values, rows)
-LOSTBITS_FIELDS(measure::sweep::Onset, row, event, statistic, threshold, from_last, found, from_start, last_good,
-                first_bad, value_at_first_bad, recovers, good_at_end, last_good_after, bad_again, rays, views,
-                further_first_bad)
+LOSTBITS_FIELDS(measure::sweep::SweepStep, values, summaries)
+LOSTBITS_FIELDS(measure::sweep::Onset, form_index, event, statistic, threshold, reads_backwards, found,
+                happens_at_start, last_good, first_bad, value_at_first_bad, recovers, is_good_at_end, last_good_after,
+                bad_again, ray_count, view_count, further_first_bad)
 LOSTBITS_FIELDS(measure::sweep::SweepFindings, steps, onsets)
 LOSTBITS_FIELDS(measure::sweep::FloatTally::WorstError, float_index, ulps)
 LOSTBITS_FIELDS(measure::sweep::FloatTally::WrongDecision, float_index, outcome)
 LOSTBITS_FIELDS(measure::sweep::FloatTally::Padding, float_index, u)
 LOSTBITS_FIELDS(measure::sweep::FloatTally, outcomes, worst, error_bound, first_wrong, last_wrong, first_floats,
                 padding)
-LOSTBITS_FIELDS(measure::sweep::ExhaustiveState, floats_tried, tallies, stages)
-LOSTBITS_FIELDS(measure::sweep::WorstResult, outcome, value, ray, primitive, t, truth, distance, evaluations)
+LOSTBITS_FIELDS(measure::sweep::ExhaustiveState, tried_float_count, tallies, stages)
+LOSTBITS_FIELDS(measure::sweep::WorstResult, outcome, value, ray, primitive, t, truth, distance, evaluation_count)
 LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, true_t)
-LOSTBITS_FIELDS(measure::edges::EdgeCount, rays, with)
-LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, rays)
+LOSTBITS_FIELDS(measure::edges::EdgeCount, ray_count, outcomes)
+LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, ray_counts)
 LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, is_unit, true_t, other_t, hit, t)
 LOSTBITS_FIELDS(measure::judge::ReportedRay, ray_index, outcome, ulps, ray_group)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)
-LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, rays, rounded_count, nonzero_answer_count, float_answers,
-                max_digits, inexact_decimals, first_samples, groups)
+LOSTBITS_FIELDS(measure::judge::JudgeResult, summaries, ray_count, rounded_count, nonzero_answer_count,
+                float_answer_count, max_digits, inexact_decimal_count, first_samples, groups)
 LOSTBITS_FIELDS(measure::metric::Bounds, low, high)
-LOSTBITS_FIELDS(measure::check::ClaimResult, state, measured, reason, witness, samples, floats, evaluations,
-                further_measured, bounds, seconds)
+LOSTBITS_FIELDS(measure::check::ClaimResult, state, measured, reason, witness, sample_count, float_count,
+                evaluation_count, further_measured, bounds, seconds)
 
 /// Returns the bits of values, as `BitWriter` writes them.
 template <class... T>

@@ -77,7 +77,7 @@ private:
     [[nodiscard]] static plot::MatrixCell wrong_cell(const FormSummary& summary, Outcome o) {
         const std::uint64_t n = summary.count(o);
         return {image::outcome_colours[static_cast<std::size_t>(o)],
-                n < summary.rays ? fmt::format("{}/{}", n, summary.rays) : std::string()};
+                n < summary.ray_count ? fmt::format("{}/{}", n, summary.ray_count) : std::string()};
     }
 
     [[nodiscard]] double max_lost_bits(const FormSummary& summary) const {
@@ -188,7 +188,7 @@ void CaseWriter::finish(const std::vector<std::vector<FormSummary>>& cases) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const std::string name = request_.file.name(i);
         const auto ray_arguments = [&](const measure::evaluate::WorstRay& ray) {
-            const std::int64_t ray_index = std::int64_t{ray.group} * request_.file.rays_of(i) + ray.x;
+            const std::int64_t ray_index = std::int64_t{ray.group} * request_.file.ray_count(i) + ray.x;
             return file_argument_ + " --case " + text::shell_word(fmt::format("{}:{}", name, ray_index));
         };
 

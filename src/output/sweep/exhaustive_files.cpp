@@ -92,14 +92,14 @@ Table<FloatsRow> end_columns(const std::string& unit) {
 
 table::TableColumn<FloatsRow> count_column() {
     return {"floats", "number of floats that were tried, by counting",
-            [](const FloatsRow& row) { return row.tally.floats(); }};
+            [](const FloatsRow& row) { return row.tally.float_count(); }};
 }
 
 /// Columns with the number of floats for each outcome that can occur.
 Table<FloatsRow> make_outcome_columns(const ExhaustiveRequest& request) {
     Table<FloatsRow> table{count_column()};
     const std::size_t outcome_count =
-        request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::outcomes_of_one_primitive;
+        request.sweep.mesh ? measure::answer::outcome_names.size() : measure::answer::single_primitive_outcome_count;
     for (std::size_t o = 0; o < outcome_count; ++o)
         table.add({std::string(measure::answer::outcome_names[o]), "floats with this outcome",
                    [o](const FloatsRow& row) { return row.tally.outcomes[o]; }});
@@ -160,7 +160,7 @@ Table<FloatsRow> make_wrong_columns(const std::string& unit) {
           "for a form that tests a box: the largest padding of tmax that any hit it misses would need, which is the "
           "metric padding; 0 if it misses none whose slab intervals come apart",
           [](const R& r) {
-              const double padding = measure::sweep::padding_max(r.request.tested_forms[r.row], r.tally);
+              const double padding = measure::sweep::max_padding(r.request.tested_forms[r.row], r.tally);
               return table::when(padding >= 0, padding);
           }},
          {"padding_hex", unit, "the float that needs this padding, exactly", [](const R& r) {
@@ -273,9 +273,10 @@ std::string float_text(std::uint32_t float_index) {
 std::string statement_subject(const ExhaustiveRequest& request, const RangeFinding& finding) {
     const auto& sweep = request.sweep;
     const FloatTally& tally = finding.tally;
-    std::string text = fmt::format("all {} between {} and {} were tried: {}",
-                                   text::count_with_noun(tally.floats(), "float"), float_text(finding.floats.first),
-                                   float_text(finding.floats.last), request.tested_forms[finding.row].form->info->name);
+    std::string text =
+        fmt::format("all {} between {} and {} were tried: {}", text::count_with_noun(tally.float_count(), "float"),
+                    float_text(finding.floats.first), float_text(finding.floats.last),
+                    request.tested_forms[finding.row].form->info->name);
     if (const auto touching = request.tested_forms[finding.row].touching)
         text += fmt::format(", judged by the {} primitive,", intersect::convention_name(touching));
     if (sweep.rays.size() > 1) text += fmt::format(" on the ray {}", sweep.rays[finding.ray].name);

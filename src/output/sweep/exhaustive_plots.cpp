@@ -158,7 +158,7 @@ std::optional<ExhaustivePlots> exhaustive_plots(const ExhaustiveRequest& request
             return t.worst ? measure::truth::lost_bits(t.worst->ulps, binary32.precision) : measure::truth::missing;
         }));
         wrong.series.push_back(binades.series(
-            half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong_count(), t.floats()); }));
+            half, [](const FloatTally& t) { return measure::truth::fraction(t.wrong_count(), t.float_count()); }));
     }
     return ExhaustivePlots{std::move(lost), std::move(wrong)};
 }

@@ -37,7 +37,7 @@ Table<SampleRow> sample_table(const SweepRequest& request) {
     // Rays of a sweep form no picture. The position of the worst ray is its index in its set.
     summary.set_meaning("worst_x", "ray with the largest |ulp_error| in its group, from 0");
     summary.set_meaning("worst_y", "row of a scene's picture, 0 for a ray distribution");
-    summary.add({"views", views_meaning, [](const map::SummaryRow& row) { return row.summary->views; }});
+    summary.add({"views", views_meaning, [](const map::SummaryRow& row) { return row.summary->view_count; }});
     return step_columns(request, summary);
 }
 

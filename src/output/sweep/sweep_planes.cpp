@@ -37,7 +37,7 @@ std::vector<Layer> make_layers(const SweepRequest& request) {
     };
     const auto fraction = [](Outcome o) {
         return [o](const FormSummary& summary) {
-            return static_cast<float>(static_cast<double>(summary.count(o)) / static_cast<double>(summary.rays));
+            return static_cast<float>(static_cast<double>(summary.count(o)) / static_cast<double>(summary.ray_count));
         };
     };
 
@@ -134,7 +134,7 @@ DrawnPlane draw_plane(const SweepRequest& request, const SweepGrid& plane, std::
             // If most rays are wrong, the cell has the colour of the outcome; otherwise it shows the lost bits.
             if (wrong_fraction(s) <= 0.5) {
                 cell.value = drawn_quantile(s, lost_index, 0.99);
-                drawn.has_withheld_cells |= s.true_hits > 0 && !s.agreement().is_enough();
+                drawn.has_withheld_cells |= s.true_hit_count > 0 && !s.agreement().is_enough();
                 const double excess_bits = s.metrics[excess_index].quantile(0.99);
                 cell.is_outlined = cell.value >= 1 && excess_bits >= 1;
                 is_explained = map::is_inside_envelope(cell.value, excess_bits);

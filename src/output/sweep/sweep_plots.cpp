@@ -35,7 +35,7 @@ plot::AxisSpec lost_bits_axis(const FloatFormat& format, std::string_view name) 
 }
 
 double wrong_fraction(const FormSummary& summary) {
-    return static_cast<double>(summary.wrong_count()) / static_cast<double>(summary.rays);
+    return static_cast<double>(summary.wrong_count()) / static_cast<double>(summary.ray_count);
 }
 
 namespace {
@@ -73,11 +73,12 @@ bool is_marching(const TestedForm& tested_form) { return !is_primitive(tested_fo
 /// Number of rays per step, and how many of them are independent.
 std::string rays_text(const MeasuredSweep& sweep) {
     const FormSummary& first_summary = sweep.steps.front().summaries.front();
-    if (!sweep.request.sweep.has_random_rays()) return text::count_with_noun(first_summary.rays, "ray") + " per step";
-    if (first_summary.views == first_summary.rays)
-        return text::count_with_noun(first_summary.rays, "independent ray") + " per step";
-    return fmt::format("{} rays per step, of {}", first_summary.rays,
-                       text::count_with_noun(first_summary.views, "independent view"));
+    if (!sweep.request.sweep.has_random_rays())
+        return text::count_with_noun(first_summary.ray_count, "ray") + " per step";
+    if (first_summary.view_count == first_summary.ray_count)
+        return text::count_with_noun(first_summary.ray_count, "independent ray") + " per step";
+    return fmt::format("{} rays per step, of {}", first_summary.ray_count,
+                       text::count_with_noun(first_summary.view_count, "independent view"));
 }
 
 /// The parts that all plots along a sweep share: its title, its axis, and the number of rays per step.
@@ -168,11 +169,11 @@ image::Canvas draw_lost_bits_plot(const MeasuredSweep& sweep, const Format& form
 
 image::Canvas draw_outcome_plot(const MeasuredSweep& sweep, const Format& format, Outcome outcome, PlotSize size) {
     const auto outcome_fraction = [outcome](const FormSummary& summary) {
-        return measure::truth::fraction(summary.count(outcome), summary.rays);
+        return measure::truth::fraction(summary.count(outcome), summary.ray_count);
     };
     std::uint64_t max_rays = 1;
     for (const SweepStep& step : sweep.steps) {
-        for (const FormSummary& summary : step.summaries) max_rays = std::max(max_rays, summary.rays);
+        for (const FormSummary& summary : step.summaries) max_rays = std::max(max_rays, summary.ray_count);
     }
     // The axis begins at half the fraction of one ray, so only a fraction of 0 lies below it.
     Quantity quantity{.title = outcome_title(outcome),
@@ -183,7 +184,7 @@ image::Canvas draw_outcome_plot(const MeasuredSweep& sweep, const Format& format
                                .shows_zero = true},
                       .value = outcome_fraction};
 
-    const auto truly_misses = [](const FormSummary& summary) { return summary.true_misses() > 0; };
+    const auto truly_misses = [](const FormSummary& summary) { return summary.true_miss_count() > 0; };
     const bool is_possible =
         outcome != Outcome::false_hit || std::ranges::any_of(sweep.steps, [&](const SweepStep& step) {
             return std::ranges::any_of(step.summaries, truly_misses);
@@ -279,7 +280,7 @@ void write_march_plots(const SaveAs& save, const MeasuredSweep& sweep, const For
         };
         return static_cast<double>(count_of(intersect::StopReason::max_steps) +
                                    count_of(intersect::StopReason::stagnated)) /
-               static_cast<double>(summary.rays);
+               static_cast<double>(summary.ray_count);
     };
     save("unfinished", draw_line_chart(sweep, format,
                                        {.title = "Marches that did not finish",

@@ -73,7 +73,7 @@ void add_shade_and_notes(plot::LinePlotSpec& spec, const MeasuredSweep& sweep, c
     const auto is_withheld = [&](const SweepStep& step) {
         for (std::size_t r = 0; r < step.summaries.size(); ++r) {
             const FormSummary& s = step.summaries[r];
-            if (sweep.request.tested_forms[r].format == format && s.true_hits > 0 && !s.agreement().is_enough())
+            if (sweep.request.tested_forms[r].format == format && s.true_hit_count > 0 && !s.agreement().is_enough())
                 return true;
         }
         return false;

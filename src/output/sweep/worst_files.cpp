@@ -78,7 +78,7 @@ struct WorstRow {
 };
 
 scene::rays::RayGroup make_worst_group(const WorstResult& worst) {
-    scene::rays::RayGroup group = scene::rays::group_of(worst.ray);
+    scene::rays::RayGroup group = scene::rays::make_group(worst.ray);
     group.primitives = {worst.primitive};
     return group;
 }
@@ -145,8 +145,8 @@ void write_worst(const std::filesystem::path& folder, const WorstRequest& reques
     std::string text =
         case_file_head(title.size() > scene::toml::TableReader::max_title_bytes ? search.title : title,
                        fmt::format("lostbits sweep {} --worst: seed {}, {} starts of {} generations of 32, {} {}",
-                                   search.id, search.seed, search.starts, search.generations,
-                                   search.smallest ? "smallest" : "largest", search.metric) +
+                                   search.id, search.seed, search.start_count, search.generation_count,
+                                   search.is_minimised ? "smallest" : "largest", search.metric) +
                            (search.nearest ? ", nearest wrong decision" : ""));
 
     for (std::size_t r = 0; r < results.size(); ++r) {
@@ -244,7 +244,7 @@ std::string census_phrase(const measure::edges::EdgeFinding& finding) {
 
 void NearestWriter::write(const std::filesystem::path& folder) const {
     const auto explain = [this](std::size_t r, const NearestRay& nearest) {
-        const scene::rays::RayGroup group = scene::rays::group_of(nearest.ray);
+        const scene::rays::RayGroup group = scene::rays::make_group(nearest.ray);
         return attribution::explain_command(scene_argument + " " + attribution::explain_ray_arguments(&group),
                                             request.tested_forms[r]);
     };
@@ -254,7 +254,7 @@ void NearestWriter::write(const std::filesystem::path& folder) const {
     for (std::size_t r = 0; r < findings.size(); ++r) {
         for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
             const auto& nearest = findings[r].nearest.at(k);
-            csv.add({request.tested_forms[r], searched_name(k), findings[r].rays.at(k), nearest,
+            csv.add({request.tested_forms[r], searched_name(k), findings[r].ray_counts.at(k), nearest,
                      nearest ? explain(r, *nearest) : ""});
         }
     }
@@ -265,7 +265,8 @@ void NearestWriter::write(const std::filesystem::path& folder) const {
                                        make_census_table());
     for (std::size_t r = 0; r < findings.size(); ++r)
         for (std::size_t k = 0; k < findings[r].census.size(); ++k)
-            if (findings[r].census.at(k).rays > 0) census.add({request.tested_forms[r], k, findings[r].census.at(k)});
+            if (findings[r].census.at(k).ray_count > 0)
+                census.add({request.tested_forms[r], k, findings[r].census.at(k)});
     table::close_tables(folder, request.search.title, csv, census);
 }
 
@@ -278,10 +279,10 @@ std::string NearestWriter::sentence(std::size_t r) const {
         const std::string outcome_phrase = map::name_in_words(searched_name(k));
         const auto& nearest = findings[r].nearest.at(k);
         text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
-                                      outcome_phrase, findings[r].rays.at(k), nearest->distance)
+                                      outcome_phrase, findings[r].ray_counts.at(k), nearest->distance)
                         : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
                                       counts.empty() || k > 0 ? "" : " the search for the nearest found",
-                                      outcome_phrase, text::count_with_noun(findings[r].rays.at(k), "ray"));
+                                      outcome_phrase, text::count_with_noun(findings[r].ray_counts.at(k), "ray"));
     }
     return text;
 }

@@ -43,7 +43,7 @@ Table<TimeRow> make_time_table() {
                [](const R& r) { return r.load->working_set; }});
     table.add<KernelTime>(
         {{"working_set_bytes", "B", "bytes of rays and answers", &KernelTime::bytes},
-         {"working_set_rays", "number of rays in these bytes", &KernelTime::rays},
+         {"working_set_rays", "number of rays in these bytes", &KernelTime::ray_count},
          {"hit_rate", "1",
           "share of the rays that hit; in l1 a processor can learn the few hundred rays, so kernels with "
           "branches look faster than they are",
@@ -97,7 +97,7 @@ Table<ParetoRow> make_pareto_table() {
                 [](const R& r) { return r.quality.time_ns; }},
 
                // bits lost and kept
-               {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->rays; }},
+               {"rays", "number of rays in the set", [](const R& r) { return r.accuracy->ray_count; }},
                {"lost_bits_p50", "bits", "median over the correct hits", quantile(&R::lost_bits, 0.5)},
                {"lost_bits_p99", "bits", "99th percentile over the correct hits", quantile(&R::lost_bits, 0.99)},
                {"excess_bits_p99", "bits", "99th percentile of the bits lost beyond what the problem itself costs",
@@ -107,9 +107,9 @@ Table<ParetoRow> make_pareto_table() {
 
                // wrong decisions
                {"false_hit_fraction", "1", "false hits among the rays that truly miss",
-                fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_misses)},
+                fraction(Outcome::false_hit, &measure::evaluate::FormSummary::true_miss_count)},
                {"false_miss_fraction", "1", "false misses among the rays that truly hit",
-                fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hits)},
+                fraction(Outcome::false_miss, &measure::evaluate::FormSummary::true_hit_count)},
                {"wrong_fraction", "1",
                 "share of false hits, false misses, NaNs and, for a scene, hits of another primitive, among all rays "
                 "whose truth is known",
@@ -142,7 +142,7 @@ std::string timing_text(const TradeRequest& request, const TradeResult& result) 
     return fmt::format(
         "Time per ray and primitive: {} of the scene against {} of its primitives. The times are from this run, and "
         "vary from run to run.\n",
-        text::count_with_noun(timed.rays, "ray"), timed.primitives);
+        text::count_with_noun(timed.ray_count, "ray"), timed.primitive_count);
 }
 
 KernelKey kernel_key(const TradeKernel& kernel) {
@@ -160,8 +160,8 @@ std::vector<ParetoPoint> pareto_points(const TradeRequest& request, const TradeR
     std::vector<ParetoPoint> points;
     const std::size_t load = measure::trade::reference_load(request.loads);
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
-        points.push_back(measure::trade::pareto_point(result.times[k][load].timing, request.kernels[k].measured,
-                                                      result.accuracy(set_index, k), request.metrics));
+        points.push_back(measure::trade::make_pareto_point(result.times[k][load].timing, request.kernels[k].measured,
+                                                           result.accuracy(set_index, k), request.metrics));
     }
     return points;
 }
@@ -213,12 +213,12 @@ std::string rays_text(const TradeRequest& request, const TradeResult& result, st
     const std::string repetition_text =
         fmt::format("median of {}, bars from quartile to quartile.",
                     text::count_with_noun(request.plan.repetitions, "interleaved repetition"));
-    const std::uint64_t judged_ray_count = result.accuracy(set_index, 0).rays;
+    const std::uint64_t judged_ray_count = result.accuracy(set_index, 0).ray_count;
     if (request.scene)
         return fmt::format("Accuracy: {} of the scene. Time: {} of its rays against {} of its primitives; {}",
-                           text::count_with_noun(judged_ray_count, "ray"), timed.rays, timed.primitives,
+                           text::count_with_noun(judged_ray_count, "ray"), timed.ray_count, timed.primitive_count,
                            repetition_text);
-    const auto sets = measure::trade::trade_sets(request);
+    const auto sets = measure::trade::make_trade_sets(request);
     return fmt::format(
         "Accuracy: {} rays of the set {}. Time{}: rays like those of the set {}, {:.0f} KiB of them and of answers in "
         "the L1 cache, every other ray a hit; {}",
@@ -236,7 +236,7 @@ ScatterPlotSpec make_trade_plot(const TradeRequest& request, const TradeResult& 
     const auto qualities = pareto_points(request, result, set_index);
     const std::size_t load = measure::trade::reference_load(request.loads);
     ScatterPlotSpec spec;
-    spec.title = fmt::format("Time against kept bits: {}", measure::trade::trade_sets(request)[set_index].title);
+    spec.title = fmt::format("Time against kept bits: {}", measure::trade::make_trade_sets(request)[set_index].title);
     spec.subtitle = {rays_text(request, result, set_index),
                      "Named: the Pareto front, and every form from outside lostbits. Fewer wrong decisions count "
                      "before more bits, so the front may step down to a form that is never wrong."};
@@ -296,7 +296,7 @@ std::string ranking_text(const TradeRequest& request, const TradeResult& result,
 std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoPoint>& qualities) {
     std::vector<std::pair<std::string, std::string>> lines;  // bits, answer
     for (const int bits : measure::trade::summary_bits) {
-        const auto best = measure::trade::cheapest(qualities, bits);
+        const auto best = measure::trade::find_cheapest(qualities, bits);
         const std::string answer =
             best ? fmt::format("{}: {:.2f} ns", kernel_phrase(request.kernels[*best]), qualities[*best].time_ns)
                  : "none";
@@ -312,11 +312,11 @@ std::string cheapest_text(const TradeRequest& request, const std::vector<ParetoP
 
 std::string trade_text(const TradeRequest& request, const TradeResult& result) {
     std::string text;
-    const auto sets = measure::trade::trade_sets(request);
+    const auto sets = measure::trade::make_trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points(request, result, s);
         text += fmt::format("{}: {}, {}\n", sets[s].name, sets[s].title,
-                            text::count_with_noun(result.accuracy(s, 0).rays, "ray"));
+                            text::count_with_noun(result.accuracy(s, 0).ray_count, "ray"));
         text += ranking_text(request, result, qualities) + cheapest_text(request, qualities) + "\n";
     }
     return text + timing_text(request, result);
@@ -343,7 +343,7 @@ std::vector<TimeRow> make_time_rows(const TradeRequest& request, const TradeResu
 
 std::vector<ParetoRow> make_pareto_rows(const TradeRequest& request, const TradeResult& result) {
     std::vector<ParetoRow> rows;
-    const auto sets = measure::trade::trade_sets(request);
+    const auto sets = measure::trade::make_trade_sets(request);
     for (std::size_t s = 0; s < sets.size(); ++s) {
         const auto qualities = pareto_points(request, result, s);
         const auto is_dominated = measure::trade::find_dominated(qualities);
@@ -360,7 +360,7 @@ std::vector<ParetoRow> make_pareto_rows(const TradeRequest& request, const Trade
 void TradeWriter::finish(const TradeResult& result) {
     times_.add_all(make_time_rows(request_, result));
     pareto_.add_all(make_pareto_rows(request_, result));
-    const auto sets = measure::trade::trade_sets(request_);
+    const auto sets = measure::trade::make_trade_sets(request_);
     for (std::size_t s = 0; s < sets.size(); ++s)
         image::save_figure(folder_ / fmt::format("{}.png", sets[s].name),
                            plot::draw_scatter_plot(make_trade_plot(request_, result, s)));

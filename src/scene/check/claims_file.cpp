@@ -238,7 +238,7 @@ std::vector<Claim> read_claims(const std::filesystem::path& path) {
     return claims;
 }
 
-std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file_or_folder) {
+std::vector<std::filesystem::path> list_claim_files(const std::filesystem::path& file_or_folder) {
     if (!std::filesystem::is_directory(file_or_folder)) return {file_or_folder};
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(file_or_folder)) {

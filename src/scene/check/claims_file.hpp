@@ -99,6 +99,6 @@ std::string_view name_of(Claim::Evidence evidence);
 std::vector<Claim> read_claims(const std::filesystem::path& path);
 
 /// Returns all `*.toml` of a folder, sorted, or the file itself.
-std::vector<std::filesystem::path> claim_files(const std::filesystem::path& file_or_folder);
+std::vector<std::filesystem::path> list_claim_files(const std::filesystem::path& file_or_folder);
 
 }  // namespace lostbits::scene::check

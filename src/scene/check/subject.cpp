@@ -33,9 +33,9 @@ RequiredBits read_requirement(TableReader& table, const char* default_at) {
     RequiredBits requirement{static_cast<double>(table.number("bits")),
                              static_cast<double>(table.optional_number("wrong").value_or(Real(0))), ""};
     if (!(requirement.bits >= 0 && requirement.bits <= 53)) table.fail_at("bits", "must lie between 0 and 53");
-    if (!(requirement.wrong >= 0 && requirement.wrong <= 1))
+    if (!(requirement.max_wrong_fraction >= 0 && requirement.max_wrong_fraction <= 1))
         table.fail_at("wrong", "is a share of the rays; write 0 to 1");
-    requirement.at = table.optional_string("at").value_or(default_at);
+    requirement.quantile = table.optional_string("at").value_or(default_at);
     return requirement;
 }
 
@@ -152,7 +152,7 @@ Subject read_table(TableReader& table, Claim& claim, std::string name) {
     claim.format = table.string("format");
     const auto values = table.has("at") ? read_at(table) : std::vector<double>{};
     if (values.size() != 1) toml::fail(table.where(), "a table's row needs `at`, its argument");
-    row.at = values.front();
+    row.argument = values.front();
     return row;
 }
 

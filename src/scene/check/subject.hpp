@@ -58,8 +58,8 @@ struct SearchSubject {
 
 /// Requirement on a form and format on a scene.
 struct RequiredBits {
-    double bits = 0, wrong = 0;
-    std::string at;  ///< share of hits that must keep the bits: `p99`, `max`
+    double bits = 0, max_wrong_fraction = 0;
+    std::string quantile;  ///< of the hits that must keep the bits: `p99`, `max`
 };
 
 /// The repair of a form, as by `lostbits mend`.
@@ -72,7 +72,7 @@ struct MendSubject {
 /// A row of a table, in place of a form.
 struct TableSubject {
     std::string name, row = {};
-    double at = 0;  ///< the argument
+    double argument = 0;
 };
 
 /// A ratio of speeds: of one kernel to another (`baseline_form` in `baseline_kernel`), or of all processors to one.

@@ -30,13 +30,13 @@ void read_colour(TableReader& table, std::string_view key, Vec<Real>& colour) {
 void read_coefficient(TableReader& table, std::string_view key, Real& x, const StoredNumbers& numbers) {
     x = table.optional_number(key).value_or(x);
     if (x < 0) table.fail_at(key, "is negative and would take light away; write 0 or more");
-    numbers.finite(table, key, x);
+    numbers.require_finite(table, key, x);
 }
 
 Vec<Real> read_light(TableReader table, const StoredNumbers& numbers) {
     const Vec<Real> position = table.vec3("position");
     table.require_known_keys();
-    return numbers.finite(table, "position", position);
+    return numbers.require_finite(table, "position", position);
 }
 
 ShadowRule read_shadows(TableReader table, const StoredNumbers& numbers) {
@@ -96,23 +96,23 @@ Stage Appearance::last_stage_up_to(Stage limit) const {
 }
 
 Appearance read_appearance(TableReader& file, const StoredNumbers& numbers) {
-    Appearance look;
-    read_colour(file, "background", look.background);
-    if (auto table = file.optional_table("light")) look.light = read_light(*table, numbers);
-    if (auto table = file.optional_table("shadows")) look.shadows = read_shadows(*table, numbers);
-    if (look.shadows && !look.light)
+    Appearance appearance;
+    read_colour(file, "background", appearance.background);
+    if (auto table = file.optional_table("light")) appearance.light = read_light(*table, numbers);
+    if (auto table = file.optional_table("shadows")) appearance.shadows = read_shadows(*table, numbers);
+    if (appearance.shadows && !appearance.light)
         file.fail_at("shadows", "need a light to cast them; add [light] with position = [x, y, z]");
     if (auto table = file.optional_table("material")) {
-        read_paint(*table, look.base, numbers);
+        read_paint(*table, appearance.base, numbers);
         table->require_known_keys();
     }
-    return look;
+    return appearance;
 }
 
-Material read_material(TableReader& sphere, const Appearance& look, const StoredNumbers& numbers) {
-    Material material = look.base;
+Material read_material(TableReader& sphere, const Appearance& appearance, const StoredNumbers& numbers) {
+    Material material = appearance.base;
     read_paint(sphere, material, numbers);
-    if (material.specular > 0 && !look.light)
+    if (material.specular > 0 && !appearance.light)
         sphere.fail_at("ks",
                        "above 0 asks for a highlight, which needs a light; add [light] with position = [x, y, z]");
     return material;

@@ -33,9 +33,9 @@ bool are_parallel(const Vec<Real>& view, const Vec<Real>& up) {
 CameraProjection read_projection(TableReader table, const StoredNumbers& numbers) {
     CameraProjection projection;
     table.read("depth", projection.depth, depth_names);
-    projection.near = numbers.positive(table, "near", table.number("near"));
+    projection.near = numbers.require_positive(table, "near", table.number("near"));
     if (table.has("far")) {
-        projection.far = numbers.positive(table, "far", table.number("far"));
+        projection.far = numbers.require_positive(table, "far", table.number("far"));
         if (*projection.far <= projection.near)
             table.fail_at("far",
                           "is not beyond near, which leaves nothing between; write a larger number, or leave it "
@@ -44,7 +44,7 @@ CameraProjection read_projection(TableReader table, const StoredNumbers& numbers
             table.fail_at("far",
                           "equals near in binary32, to which inputs = \"shared\" rounds, and the matrix is "
                           "singular; write a larger number, or inputs = \"own\"");
-        numbers.positive(table, "far", *projection.far * projection.near / (*projection.far - projection.near));
+        numbers.require_positive(table, "far", *projection.far * projection.near / (*projection.far - projection.near));
     }
     table.require_known_keys();
     return projection;
@@ -58,13 +58,13 @@ void read_rays_of_camera(TableReader& table, const StoredNumbers& numbers, Camer
             table.fail_at("shift",
                           "moves the picture to one side, but a projection has the view axis in its middle; "
                           "leave one of the two out");
-        numbers.positive(table, "fov_deg", 1 / half_tangent(camera.fov_deg));
+        numbers.require_positive(table, "fov_deg", 1 / half_tangent(camera.fov_deg));
     }
 
     const auto name = table.optional_string("rays");
     if (!name) return;
-    camera.rays = camera::find_ray_generator(*name);
-    if (camera.rays == nullptr) {
+    camera.ray_generator = camera::find_ray_generator(*name);
+    if (camera.ray_generator == nullptr) {
         std::vector<std::string> names;
         for (const camera::RayGenerator& generator : camera::ray_generators()) names.emplace_back(generator.info->name);
         table.fail_at("rays", "is \"" + *name + "\", which is not a known ray generator; " +
@@ -118,12 +118,12 @@ constexpr ForeignKeys foreign_keys[] = {
 
 /// Reads a camera whose picture plane is in the world, at z = 0.
 void read_pixel_plane(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
-    camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
+    camera.eye = numbers.require_finite(table, "eye", table.vec3("eye"));
     if (numbers.is_stored_as_zero(camera.eye.z))
         table.fail_at("eye",
                       "lies in the plane of the pixels, z = 0, and would see it as a line; move it off the plane");
     std::vector<Real> extent = table.numbers("extent", 4);
-    for (Real& x : extent) x = numbers.finite(table, "extent", x);
+    for (Real& x : extent) x = numbers.require_finite(table, "extent", x);
     camera.left = extent[0];
     camera.bottom = extent[1];
     camera.right = extent[2];
@@ -134,13 +134,13 @@ void read_pixel_plane(TableReader& table, const StoredNumbers& numbers, Camera& 
 
 /// Reads a camera that looks from its eye along a view, through a window around it.
 void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera) {
-    camera.eye = numbers.finite(table, "eye", table.vec3("eye"));
-    camera.look_at = numbers.finite(table, "look_at", table.vec3("look_at"));
+    camera.eye = numbers.require_finite(table, "eye", table.vec3("eye"));
+    camera.look_at = numbers.require_finite(table, "look_at", table.vec3("look_at"));
     table.read("up", camera.up);
-    camera.up = numbers.finite(table, "up", camera.up);
+    camera.up = numbers.require_finite(table, "up", camera.up);
     const std::vector<Real> shift = table.optional_numbers("shift", 2).value_or(std::vector<Real>{Real(0), Real(0)});
-    camera.shift_right = numbers.finite(table, "shift", shift[0]);
-    camera.shift_up = numbers.finite(table, "shift", shift[1]);
+    camera.shift_right = numbers.require_finite(table, "shift", shift[0]);
+    camera.shift_up = numbers.require_finite(table, "shift", shift[1]);
 
     const Vec<Real> view = camera.look_at - camera.eye;
     if (is_zero(view)) table.fail_at("look_at", "equals camera.eye, which gives no direction; move one of them");
@@ -150,7 +150,7 @@ void read_view(TableReader& table, const StoredNumbers& numbers, Camera& camera)
             "up", "is parallel to the direction of view, look_at - eye; write another, such as [0, 0, 1] or [0, 1, 0]");
 
     if (camera.kind == Camera::Kind::orthographic) {
-        camera.width = numbers.positive(table, "width", table.number("width"));
+        camera.width = numbers.require_positive(table, "width", table.number("width"));
         return;
     }
     camera.fov_deg = table.number("fov_deg");
@@ -183,7 +183,7 @@ Scene with_ray_generator(Scene scene, const camera::RayGenerator& generator) {
     if (!scene.camera.normalise)
         throw InputError(message_start + " have length one, but camera.normalise is false; leave it out");
 
-    scene.camera.rays = &generator;
+    scene.camera.ray_generator = &generator;
     if (scene.inputs == InputRounding::own) return scene;
     if (scene.flake || scene.mesh)
         throw InputError(

@@ -64,7 +64,7 @@ MarchConstants<double> round_march(const MarchConstants<double>& constants, cons
     return convert_numbers(constants, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
-std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& format) {
+std::vector<std::string> find_unrepresentable_constants(const Scene& scene, const FloatFormat& format) {
     std::vector<std::string> lost;
     if (!scene.march) return lost;
     const bool is_shared = scene.inputs == InputRounding::shared;

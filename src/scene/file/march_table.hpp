@@ -23,6 +23,6 @@ intersect::MarchConstants<double> round_march(const intersect::MarchConstants<do
 
 /// The constants that F rounds to 0 or infinity, in words: "hit_eps = 1e-09 rounds to 0". A form receives these
 /// constants anyway, and the measurement shows what the form makes of them.
-std::vector<std::string> unrepresentable_constants(const Scene& scene, const FloatFormat& format);
+std::vector<std::string> find_unrepresentable_constants(const Scene& scene, const FloatFormat& format);
 
 }  // namespace lostbits::scene::file

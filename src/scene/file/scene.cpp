@@ -58,8 +58,8 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
         else primitive.numbers[k] = table.number(key.name);
         for (std::size_t i = k; i < k + key.count(); ++i) {
             if (key.limit == Key::Limit::positive || key.limit == Key::Limit::positive_below_previous)
-                numbers.positive(table, key.name, primitive.numbers[i]);
-            else numbers.finite(table, key.name, primitive.numbers[i]);
+                numbers.require_positive(table, key.name, primitive.numbers[i]);
+            else numbers.require_finite(table, key.name, primitive.numbers[i]);
         }
     });
 
@@ -79,7 +79,7 @@ Range<double> read_rays(TableReader table, InputRounding inputs, const StoredNum
     Range<double> range;
     const auto number = [&](std::string_view key, double default_t) {
         const auto x = table.optional_number(key);
-        return x ? toml::round_to_format(numbers.finite(table, key, *x), stored) : default_t;
+        return x ? toml::round_to_format(numbers.require_finite(table, key, *x), stored) : default_t;
     };
     range.tmin = number("tmin", range.tmin);
     range.tmax = number("tmax", range.tmax);
@@ -157,7 +157,7 @@ SceneFile::SceneFile(const std::filesystem::path& path, intersect::process::Stop
         table.table("set");
         table.require_known_keys();
         const Node& node = root_.find("variant")->items[variants_.size()];
-        variant.changes = toml::overrides_in(*node.find("set"));
+        variant.changes = toml::read_overrides(*node.find("set"));
         variants_.push_back(std::move(variant));
     }
     std::erase_if(root_.entries, [](const Node::Entry& entry) { return entry.key == "variant"; });
@@ -263,11 +263,11 @@ Scene SceneFile::interpret(const SceneVariant* variant, const LoadOptions& optio
 
     if (scene.shapes().empty())
         toml::fail(file.where(), "the scene has no primitives; write at least one " + primitive_tables_text());
-    if (scene.camera.rays && scene.inputs == InputRounding::shared && (scene.flake || scene.mesh))
+    if (scene.camera.ray_generator && scene.inputs == InputRounding::shared && (scene.flake || scene.mesh))
         camera.fail_at("rays",
                        "makes rays in each format, which must also round meshes and flakes; write inputs = "
                        "\"own\"");
-    return scene.camera.rays ? with_ray_generator(scene, *scene.camera.rays) : scene;
+    return scene.camera.ray_generator ? with_ray_generator(scene, *scene.camera.ray_generator) : scene;
 }
 
 std::vector<Primitive<Real>> Scene::primitives() const {
@@ -318,7 +318,7 @@ std::vector<Scene> load_scene(const std::filesystem::path& path, const LoadOptio
 }
 
 std::vector<std::filesystem::path> list_scene_files(const std::filesystem::path& data_dir) {
-    const std::filesystem::path folder = toml::folder_of_data(data_dir, "scenes");
+    const std::filesystem::path folder = toml::find_data_folder(data_dir, "scenes");
     std::error_code error;
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder, error))

@@ -56,7 +56,7 @@ struct Camera {
     std::optional<CameraProjection> projection = {};  ///< pinhole
     /// Ray generator, which makes the rays in each format from the camera's stored numbers. Null: each format rounds
     /// the ideal rays.
-    const camera::RayGenerator* rays = nullptr;
+    const camera::RayGenerator* ray_generator = nullptr;
 };
 
 struct Scene {
@@ -77,7 +77,7 @@ struct Scene {
     Appearance appearance;                                 ///< for pictures of the scene
     std::filesystem::path path;
 
-    [[nodiscard]] std::uint64_t pixels() const {
+    [[nodiscard]] std::uint64_t pixel_count() const {
         return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     }
     /// True if forms for these shapes can be used on the scene: the shapes are those of its primitives or, for `sdf`,

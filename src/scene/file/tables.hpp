@@ -14,8 +14,8 @@
 
 namespace lostbits::scene::file {
 
-/// Checks the numbers of a file. Each of `finite` and `positive` returns the number of `key`, or fails with the
-/// position of `key`.
+/// Checks the numbers of a file. Each of `require_finite` and `require_positive` returns the number of `key`, or fails
+/// with the position of `key`.
 class StoredNumbers {
 public:
     explicit StoredNumbers(InputRounding inputs) : are_inputs_shared_(inputs == InputRounding::shared) {}
@@ -27,13 +27,14 @@ public:
         return are_inputs_shared_ && std::isinf(toml::round_to_format(x, binary32));
     }
 
-    Real finite(const toml::TableReader& table, std::string_view key, const Real& x) const {
+    Real require_finite(const toml::TableReader& table, std::string_view key, const Real& x) const {
         if (overflows(x)) table.fail_at(key, std::string(overflow_words));
         return x;
     }
 
-    [[nodiscard]] Vec<Real> finite(const toml::TableReader& table, std::string_view key, const Vec<Real>& v) const {
-        return {finite(table, key, v.x), finite(table, key, v.y), finite(table, key, v.z)};
+    [[nodiscard]] Vec<Real> require_finite(const toml::TableReader& table, std::string_view key,
+                                           const Vec<Real>& v) const {
+        return {require_finite(table, key, v.x), require_finite(table, key, v.y), require_finite(table, key, v.z)};
     }
 
     [[nodiscard]] Real round_as_stored(const Real& x) const {
@@ -45,13 +46,13 @@ public:
         return x == 0 || (are_inputs_shared_ && toml::round_to_format(x, binary32) == 0);
     }
 
-    Real positive(const toml::TableReader& table, std::string_view key, const Real& x) const {
+    Real require_positive(const toml::TableReader& table, std::string_view key, const Real& x) const {
         if (x <= 0) table.fail_at(key, "must be greater than 0; write a positive number");
         if (are_inputs_shared_ && toml::round_to_format(x, binary32) == 0)
             table.fail_at(key,
                           "becomes 0 in binary32, to which inputs = \"shared\" rounds; write at least 1.5e-45, or "
                           "inputs = \"own\"");
-        return finite(table, key, x);
+        return require_finite(table, key, x);
     }
 
 private:
@@ -65,8 +66,8 @@ Camera read_camera(toml::TableReader table, const StoredNumbers& numbers);
 /// materials, one by one.
 Appearance read_appearance(toml::TableReader& file, const StoredNumbers& numbers);
 
-/// Reads the keys of a sphere's paint. A missing key has the value of `look.base`.
-Material read_material(toml::TableReader& sphere, const Appearance& look, const StoredNumbers& numbers);
+/// Reads the keys of a sphere's paint. A missing key has the value of `appearance.base`.
+Material read_material(toml::TableReader& sphere, const Appearance& appearance, const StoredNumbers& numbers);
 
 /// Reads the table `transform` of a primitive, if it has one: `matrix` (twelve numbers, row by row), or `scale`,
 /// `rotate`, `translate` and `look_at`, applied in this order, or `steps`, a list of such tables applied one after the

@@ -34,22 +34,22 @@ BinaryRayFile::BinaryRayFile(const std::filesystem::path& path, const ReadOption
         throw InputError(record_layout_.error_source + ": " + why);
     });
     finish_header(options, *layout_, default_format(*layout_, record_layout_.columns));
-    records_ = record_layout_.records;
+    record_count_ = record_layout_.record_count;
     if (!source_.size()) return;
 
     // Faults that the size of the file shows are reported before the work.
     const std::uint64_t bytes = *source_.size() - std::min(*source_.size(), record_layout_.begin);
     const std::uint64_t whole_record_count = bytes / record_layout_.record_size;
-    if (records_ ? whole_record_count < *records_ : bytes % record_layout_.record_size != 0)
+    if (record_count_ ? whole_record_count < *record_count_ : bytes % record_layout_.record_size != 0)
         fail_short(whole_record_count,
                    bytes - (record_layout_.is_column_major ? 0 : whole_record_count * record_layout_.record_size));
-    if (records_ && bytes > *records_ * record_layout_.record_size)
+    if (record_count_ && bytes > *record_count_ * record_layout_.record_size)
         throw InputError(fmt::format("{}: byte {}: the header promises {}, but {}; is it one array, written whole?",
-                                     source_.name(), record_layout_.begin + *records_ * record_layout_.record_size,
-                                     text::count_with_noun(*records_, "record"),
-                                     text::count_with_noun(bytes - *records_ * record_layout_.record_size,
+                                     source_.name(), record_layout_.begin + *record_count_ * record_layout_.record_size,
+                                     text::count_with_noun(*record_count_, "record"),
+                                     text::count_with_noun(bytes - *record_count_ * record_layout_.record_size,
                                                            "more byte follows", "more bytes follow")));
-    if (!records_) records_ = whole_record_count;
+    if (!record_count_) record_count_ = whole_record_count;
 }
 
 void BinaryRayFile::fail_short(std::uint64_t record, std::uint64_t bytes) const {
@@ -58,20 +58,21 @@ void BinaryRayFile::fail_short(std::uint64_t record, std::uint64_t bytes) const 
             fmt::format("{}: has {} of numbers, but its header promises {} of {} bytes each; it "
                         "was cut short, so write it again",
                         source_.name(), text::count_with_noun(bytes, "byte"),
-                        text::count_with_noun(*record_layout_.records, "record"), record_layout_.record_size));
-    throw InputError(fmt::format(
-        "{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
-        "different: check their names and types",
-        source_.name(), record, bytes, record_layout_.record_size,
-        record_layout_.records ? ", and the header promises " + text::count_with_noun(*record_layout_.records, "record")
-                               : ""));
+                        text::count_with_noun(*record_layout_.record_count, "record"), record_layout_.record_size));
+    throw InputError(
+        fmt::format("{}: record {}: has {} of {} bytes{}; the file was cut short, or its columns are "
+                    "different: check their names and types",
+                    source_.name(), record, bytes, record_layout_.record_size,
+                    record_layout_.record_count
+                        ? ", and the header promises " + text::count_with_noun(*record_layout_.record_count, "record")
+                        : ""));
 }
 
 bool BinaryRayFile::next(std::size_t max_records, Records& records) {
     records.first = next_record_;
     records.bytes.clear();
-    if (records_)
-        max_records = static_cast<std::size_t>(std::min<std::uint64_t>(max_records, *records_ - next_record_));
+    if (record_count_)
+        max_records = static_cast<std::size_t>(std::min<std::uint64_t>(max_records, *record_count_ - next_record_));
     if (max_records == 0) return false;
     std::size_t bytes_read = 0;
     if (record_layout_.is_column_major) {
@@ -83,7 +84,7 @@ bool BinaryRayFile::next(std::size_t max_records, Records& records) {
     }
     records.count = bytes_read / record_layout_.record_size;
     const std::size_t rest_bytes = bytes_read % record_layout_.record_size;
-    if (rest_bytes != 0 || (records_ && records.count < max_records))
+    if (rest_bytes != 0 || (record_count_ && records.count < max_records))
         fail_short(next_record_ + records.count, rest_bytes);
     next_record_ += records.count;
     return records.count > 0;
@@ -184,7 +185,7 @@ void BinaryRayFile::put_rounded(const ColumnReader& reader, std::uint64_t record
 }
 
 Chunk BinaryRayFile::decode(const Records& records) const {
-    if (records.first == 0 && !record_layout_.records) require_not_byte_swapped(records);
+    if (records.first == 0 && !record_layout_.record_count) require_not_byte_swapped(records);
     Chunk chunk;
     chunk.first = records.first;
     std::vector<ColumnReader> readers = make_column_readers(records);

@@ -20,10 +20,10 @@ struct BinaryColumn {
 /// The layout of the numbers in a file, as its header gives it.
 struct RecordLayout {
     std::vector<BinaryColumn> columns;
-    std::uint64_t begin = 0;                    ///< of the first record, in bytes; the source is at this position
-    std::uint64_t record_size = 0;              ///< in bytes
-    std::optional<std::uint64_t> records = {};  ///< from the header; absent: all records of the file
-    bool is_column_major = false;               ///< column after column; `records` is known then
+    std::uint64_t begin = 0;                         ///< of the first record, in bytes; the source is at this position
+    std::uint64_t record_size = 0;                   ///< in bytes
+    std::optional<std::uint64_t> record_count = {};  ///< from the header; absent: all records of the file
+    bool is_column_major = false;                    ///< column after column; `record_count` is known then
     std::optional<std::pair<int, int>> picture = {};
     std::string error_source = {};  ///< name in the errors about columns that are not those of rays
 };
@@ -43,7 +43,7 @@ class BinaryRayFile final : public RayFile {
 public:
     BinaryRayFile(const std::filesystem::path& path, const ReadOptions& options, LayoutReader read);
     [[nodiscard]] const Layout& layout() const override { return *layout_; }
-    [[nodiscard]] std::optional<std::uint64_t> size() const override { return records_; }
+    [[nodiscard]] std::optional<std::uint64_t> size() const override { return record_count_; }
     [[nodiscard]] std::optional<std::pair<int, int>> picture() const override { return record_layout_.picture; }
     [[nodiscard]] std::uint64_t bytes() const override { return source_.size().value_or(0); }
     bool next(std::size_t max_records, Records& records) override;
@@ -75,7 +75,7 @@ private:
     toml::ByteSource source_;
     RecordLayout record_layout_;
     std::optional<Layout> layout_;
-    std::optional<std::uint64_t> records_;
+    std::optional<std::uint64_t> record_count_;
     std::uint64_t next_record_ = 0;
 };
 

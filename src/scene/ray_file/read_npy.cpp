@@ -262,7 +262,7 @@ void read_structured_layout(const NpyHeader& header, const ReadOptions& options,
                          ": --columns names the columns of arrays without names; this one has fields with "
                          "names; leave --columns out");
     for (const NpyHeader::Field& field : header.fields) add_field(field, file, array.record_size, array.columns);
-    array.records = product(header.shape);
+    array.record_count = product(header.shape);
 
     // The order of the axes matters only if there are several.
     if (header.is_fortran_order && header.shape.size() > 1)
@@ -288,7 +288,7 @@ void read_plain_layout(const NpyHeader& header, const ReadOptions& options, cons
                                      text::count_with_noun(ray_axes.back(), "column"), names.size()));
     ray_axes.pop_back();
     for (const std::string& name : names) array.columns.push_back({name, type, 0});
-    array.records = product(ray_axes);
+    array.record_count = product(ray_axes);
 
     // In Fortran order the columns follow one another, each with the numbers of all rays.
     if (header.is_fortran_order && ray_axes.size() > 1)
@@ -296,7 +296,7 @@ void read_plain_layout(const NpyHeader& header, const ReadOptions& options, cons
     array.is_column_major = header.is_fortran_order;
     for (std::size_t c = 0; c < array.columns.size(); ++c) {
         const std::uint64_t size = array.columns[c].type.size;
-        array.columns[c].offset = array.is_column_major ? c * *array.records * size : c * size;
+        array.columns[c].offset = array.is_column_major ? c * *array.record_count * size : c * size;
         array.record_size += size;
     }
 }

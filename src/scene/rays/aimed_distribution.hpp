@@ -63,8 +63,8 @@ inline Vec<double> draw_on_surface(Random& random, const Primitive<double>& prim
 /// kind, as rays to a light and reflected rays do. Once rounded to binary32, such rays begin just inside or just
 /// outside of the second primitive.
 enum class RayStart : std::uint8_t { away, on_other };
-inline constexpr std::pair<std::string_view, RayStart> begins[] = {{"away", RayStart::away},
-                                                                   {"other", RayStart::on_other}};
+inline constexpr std::pair<std::string_view, RayStart> ray_start_names[] = {{"away", RayStart::away},
+                                                                            {"other", RayStart::on_other}};
 
 /// Draws a ray from the surface of `other` to the point `target`, or in the direction `default_direction` if the two
 /// points are equal.
@@ -103,7 +103,7 @@ struct AimedDistribution {
     static F read(toml::TableReader table) {
         F f;
         if constexpr (requires { F::aims; }) table.read("aim", f.aim, F::aims);
-        table.read("begin", f.begin, begins);
+        table.read("begin", f.begin, ray_start_names);
         table.read_number("size", f.size, 0x1p-100, 0x1p+100);
         table.read_number("distance", f.distance, 0, 0x1p+100);
         table.read_number("aside", f.aside, 0, 0x1p+20);

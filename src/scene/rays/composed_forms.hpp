@@ -20,8 +20,8 @@ inline constexpr std::string_view generator_prefix = "ray-";
 inline constexpr std::string_view contracted_suffix = "+fma";
 
 /// Returns the form `sphere.unified@ray-three`: the form itself, with rays from the ray generator `three`. The form is
-/// made by the first call and stored. Throws InputError for sets, and for forms in the space of primitives under
-/// matrices; a scene with `camera.rays` can be used for these.
+/// made by the first call and stored. Throws InputError for sets, and for forms in the space of primitives with
+/// transforms; a scene with `camera.rays` can be used for these.
 const intersect::table::Intersector& with_generator(const camera::RayGenerator& generator,
                                                     const intersect::table::Intersector& form);
 

@@ -27,29 +27,29 @@ Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& position) {
 /// Builds a projection. z/w is p = `depth_near` on the near plane and q = `depth_far` on the far plane, with w = -z. If
 /// n and f are the distances of the planes, z' = a z + b with a = (p n - q f)/(f - n) and b = (p - q) f n/(f - n). With
 /// f at infinity, a = -q and b = (p - q) n.
-Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& c) {
-    const Real depth_range = c.depth_near - c.depth_far, zero(0);
-    const Real a =
-        p.far ? Real((c.depth_near * p.near - c.depth_far * *p.far) / (*p.far - p.near)) : Real(-c.depth_far);
+Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& camera) {
+    const Real depth_range = camera.depth_near - camera.depth_far, zero(0);
+    const Real a = p.far ? Real((camera.depth_near * p.near - camera.depth_far * *p.far) / (*p.far - p.near))
+                         : Real(-camera.depth_far);
     const Real b = p.far ? Real(depth_range * *p.far * p.near / (*p.far - p.near)) : Real(depth_range * p.near);
-    return matrix({{{1 / c.tan_x, zero, zero, zero},
-                    {zero, 1 / c.tan_y, zero, zero},
+    return matrix({{{1 / camera.tan_x, zero, zero, zero},
+                    {zero, 1 / camera.tan_y, zero, zero},
                     {zero, zero, a, b},
                     {zero, zero, Real(-1), zero}}});
 }
 
 /// The matrix from pixels, to the right and down, to clip space; z is 0 on the near plane.
-Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& c) {
+Matrix4<Real> raster_to_clip(const CameraNumbers<Real>& camera) {
     const Real zero(0), one(1);
-    return matrix({{{Real(2) / c.width, zero, zero, -one},
-                    {zero, -Real(2) / c.height, zero, one},
-                    {zero, zero, one, c.depth_near},
+    return matrix({{{Real(2) / camera.width, zero, zero, -one},
+                    {zero, -Real(2) / camera.height, zero, one},
+                    {zero, zero, one, camera.depth_near},
                     {zero, zero, zero, one}}});
 }
 
 }  // namespace
 
-CameraNumbers<Real> camera_numbers(const Scene& scene) {
+CameraNumbers<Real> compute_camera_numbers(const Scene& scene) {
     const CameraFrame<Real> frame = make_frame<Real>(scene);
     const CameraProjection& planes = scene.camera.projection.value();
     using DepthRange = CameraProjection::DepthRange;
@@ -79,9 +79,11 @@ CameraNumbers<Real> camera_numbers(const Scene& scene) {
 }
 
 GeneratedRays::GeneratedRays(const Scene& scene)
-    : generator_(scene.camera.rays), frame_(make_frame<Real>(scene)), numbers_(camera_numbers(scene)) {}
+    : generator_(scene.camera.ray_generator),
+      frame_(make_frame<Real>(scene)),
+      numbers_(compute_camera_numbers(scene)) {}
 
-BasicRayBlock<Real> GeneratedRays::ideal(int y0, int y1) const {
+BasicRayBlock<Real> GeneratedRays::make_ideal_rays(int y0, int y1) const {
     BasicRayBlock<Real> block;
     block.width = numbers_.width;
     block.y0 = y0;
@@ -117,7 +119,7 @@ RayBlock GeneratedRays::generate(camera::MakeRays<T> make_rays, const FloatForma
     return block;
 }
 
-RayBlock GeneratedRays::rounded_rays(const FloatFormat& format, int y0, int y1) const {
+RayBlock GeneratedRays::make_rounded_rays(const FloatFormat& format, int y0, int y1) const {
     if (format == binary32) return generate<float>(generator_->f32, format, y0, y1);
     if (format == binary64) return generate<double>(generator_->f64, format, y0, y1);
     const CurrentFormat::Scope scope(format);
@@ -139,7 +141,7 @@ std::vector<bool> find_used_nodes(const Tape& tape, const std::array<NodeId, 6>&
 
 }  // namespace
 
-RecordedRay GeneratedRays::record(const Format& format, camera::PixelCoordinates pixel) const {
+RecordedRay GeneratedRays::record_ray(const Format& format, camera::PixelCoordinates pixel) const {
     Tape tape;
     const auto ray = generator_->record(format, stored_numbers(format.parameters), pixel, tape);
 

@@ -13,7 +13,7 @@
 namespace lostbits::scene::rays {
 
 /// The numbers of a scene's camera in exact numbers, in which matrices are composed and inverted.
-camera::CameraNumbers<Real> camera_numbers(const file::Scene& scene);
+camera::CameraNumbers<Real> compute_camera_numbers(const file::Scene& scene);
 
 /// A ray with all operations that compute it. The inputs of the tape are the camera's numbers that the ray generator
 /// uses.
@@ -35,10 +35,10 @@ public:
     explicit GeneratedRays(const file::Scene& scene);
     /// Exact rays of the pixels of rows [y0, y1), with length one: from the eye, or from the point where the ray meets
     /// the near plane.
-    [[nodiscard]] BasicRayBlock<Real> ideal(int y0, int y1) const;
+    [[nodiscard]] BasicRayBlock<Real> make_ideal_rays(int y0, int y1) const;
     /// Rays of rows [y0, y1) as a format computes them. No number is rounded more than once before the first operation.
-    [[nodiscard]] RayBlock rounded_rays(const FloatFormat& format, int y0, int y1) const;
-    [[nodiscard]] RecordedRay record(const Format& format, camera::PixelCoordinates at) const;
+    [[nodiscard]] RayBlock make_rounded_rays(const FloatFormat& format, int y0, int y1) const;
+    [[nodiscard]] RecordedRay record_ray(const Format& format, camera::PixelCoordinates at) const;
     [[nodiscard]] const CameraFrame<Real>& frame() const { return frame_; }
 
 private:

@@ -74,7 +74,7 @@ std::vector<Primitive<double>> round_listed_primitives(const file::Scene& scene)
     return listed;
 }
 
-std::shared_ptr<const StoredMesh> shared_mesh(const file::Scene& scene) {
+std::shared_ptr<const StoredMesh> make_shared_mesh(const file::Scene& scene) {
     return scene.mesh
                ? std::make_shared<const StoredMesh>(scene.mesh, scene.mesh_transform, file::InputRounding::shared)
                : nullptr;

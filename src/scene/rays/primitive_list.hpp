@@ -152,12 +152,12 @@ private:
     std::optional<FloatFormat> format_;
 };
 
-/// The primitives of `shared_primitives`, with flake and meshes as columns.
+/// The primitives of `make_shared_primitives`, with flake and meshes as columns.
 PrimitiveList<double> make_shared_primitive_list(const file::Scene& scene);
 /// The listed primitives of a scene with shared inputs, rounded to binary32.
 std::vector<Primitive<double>> round_listed_primitives(const file::Scene& scene);
 /// The meshes of a scene with shared inputs, rounded to binary32; null if the scene has none.
-std::shared_ptr<const StoredMesh> shared_mesh(const file::Scene& scene);
+std::shared_ptr<const StoredMesh> make_shared_mesh(const file::Scene& scene);
 /// The primitives of a group. Their numbers are those of the group.
 PrimitiveList<double> primitive_list_of(const RayGroup& group);
 /// The ideal primitives of a scene with own inputs, with flake and meshes as columns.

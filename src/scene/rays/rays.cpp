@@ -25,7 +25,7 @@ BasicRayBlock<T> make_rays(const Scene& scene, int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
         for (int x = 0; x < scene.width; ++x) block.push(ray(frame, x, y));
     }
-    put_range(scene, block);
+    set_range(scene, block);
     return block;
 }
 
@@ -85,7 +85,7 @@ CameraFrame<Real> make_ideal_frame(const Scene& scene) {
     return frame;
 }
 
-RayGroup group_of(const Ray<double>& ray) {
+RayGroup make_group(const Ray<double>& ray) {
     RayGroup group;
     group.rays.push(ray);
     group.rays.mark_as_list();
@@ -111,17 +111,18 @@ RayBlock make_shared_rays(const Scene& scene, int y0, int y1) {
 }
 
 IdealRayBlock make_own_rays(const Scene& scene, int y0, int y1) {
-    if (!scene.camera.rays) return {make_rays<Real>(scene, y0, y1)};
+    if (!scene.camera.ray_generator) return {make_rays<Real>(scene, y0, y1)};
     const auto generated = std::make_shared<const GeneratedRays>(scene);
-    IdealRayBlock block{generated->ideal(y0, y1), generated};
-    put_range(scene, block);
+    IdealRayBlock block{generated->make_ideal_rays(y0, y1), generated};
+    set_range(scene, block);
     return block;
 }
 
 RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& format) {
     RayBlock result =
-        ideal.made ? ideal.made->rounded_rays(format, ideal.y0, ideal.y1)
-                   : round_components(ideal, [&format](const Real& x) { return toml::round_to_format(x, format); });
+        ideal.generated_rays
+            ? ideal.generated_rays->make_rounded_rays(format, ideal.y0, ideal.y1)
+            : round_components(ideal, [&format](const Real& x) { return toml::round_to_format(x, format); });
     round_ranges(ideal, result, [&format](double t) { return rounding::to_format(t, 0, format); });
     return result;
 }
@@ -137,12 +138,12 @@ RayBlock round_block(const RayBlock& block, const FloatFormat& format) {
     return result;
 }
 
-std::vector<Primitive<double>> shared_primitives(const Scene& scene) {
+std::vector<Primitive<double>> make_shared_primitives(const Scene& scene) {
     return round_primitives(make_shared_primitive_list(scene), binary32).all();
 }
 
-std::vector<Primitive<double>> stored_primitives(const Scene& scene, const FloatFormat& format) {
-    if (scene.inputs == file::InputRounding::shared) return shared_primitives(scene);
+std::vector<Primitive<double>> make_stored_primitives(const Scene& scene, const FloatFormat& format) {
+    if (scene.inputs == file::InputRounding::shared) return make_shared_primitives(scene);
     std::vector<Primitive<double>> stored;
     for (const Primitive<Real>& primitive : scene.primitives()) stored.push_back(round_primitive(primitive, format));
     return stored;
@@ -156,7 +157,7 @@ Primitive<double> round_primitive(const Primitive<double>& primitive, const Floa
     return convert_numbers(primitive, [&format](double x) { return rounding::to_format(x, 0, format); });
 }
 
-RayBlock input_rays(const Scene& scene, int y0, int y1, const FloatFormat& format) {
+RayBlock make_input_rays(const Scene& scene, int y0, int y1, const FloatFormat& format) {
     if (scene.inputs == file::InputRounding::own) return round_rays(make_own_rays(scene, y0, y1), format);
     return round_block(make_shared_rays(scene, y0, y1), format);
 }

@@ -64,7 +64,7 @@ class GeneratedRays;
 /// The ideal rays. Each takes about 500 bytes; make a few rows at a time.
 struct IdealRayBlock : BasicRayBlock<Real> {
     /// Makes the rays in each format; null: each component of the ideal rays is rounded.
-    std::shared_ptr<const GeneratedRays> made = {};
+    std::shared_ptr<const GeneratedRays> generated_rays = {};
 };
 
 class StoredMesh;
@@ -80,14 +80,14 @@ struct RayGroup {
 };
 
 /// Makes a group of one ray, without a primitive.
-RayGroup group_of(const Ray<double>& ray);
+RayGroup make_group(const Ray<double>& ray);
 /// Returns every n-th ray as a list, with the smallest n for which at most `max_rays` rays are left, and their
 /// primitives except those of meshes.
 RayGroup sample_rays(const RayGroup& group, std::size_t max_rays);
 
 /// Sets the range of the scene's rays for all rays of a block.
 template <class T>
-void put_range(const file::Scene& scene, BasicRayBlock<T>& block) {
+void set_range(const file::Scene& scene, BasicRayBlock<T>& block) {
     if (scene.range.tmin > 0) block.tmin.assign(block.size(), scene.range.tmin);
     if (scene.range.tmax < HUGE_VAL) block.tmax.assign(block.size(), scene.range.tmax);
     block.open_ends = scene.range.open_ends;
@@ -108,7 +108,7 @@ RayBlock round_rays(const IdealRayBlock& ideal, const FloatFormat& format);
 RayBlock round_block(const RayBlock& block, const FloatFormat& format);
 
 /// The primitives of a scene, in its order, with each number rounded once to binary32. A primitive takes 56 bytes.
-std::vector<Primitive<double>> shared_primitives(const file::Scene& scene);
+std::vector<Primitive<double>> make_shared_primitives(const file::Scene& scene);
 
 /// The primitive with each number rounded once to F. A radius that rounds to zero stays, too.
 Primitive<double> round_primitive(const Primitive<Real>& primitive, const FloatFormat& format);
@@ -116,10 +116,10 @@ Primitive<double> round_primitive(const Primitive<double>& primitive, const Floa
 
 /// The primitives of a scene as in a map: if inputs are shared, the primitives of all formats; else each number rounded
 /// once to F.
-std::vector<Primitive<double>> stored_primitives(const file::Scene& scene, const FloatFormat& format);
+std::vector<Primitive<double>> make_stored_primitives(const file::Scene& scene, const FloatFormat& format);
 
 /// The inputs of a form in format F, for either kind of `inputs`: shared inputs are rounded to binary32 and then, if F
 /// is narrower, to F; own inputs are rounded once to F.
-RayBlock input_rays(const file::Scene& scene, int y0, int y1, const FloatFormat& format);
+RayBlock make_input_rays(const file::Scene& scene, int y0, int y1, const FloatFormat& format);
 
 }  // namespace lostbits::scene::rays

@@ -9,9 +9,9 @@
 
 namespace lostbits::scene::rays {
 
-/// The triangles of meshes, which are the last of `stored_primitives`; null if the scene has no mesh.
-inline std::shared_ptr<const StoredMesh> stored_mesh(const file::Scene& scene, const FloatFormat& format) {
-    if (!scene.mesh || scene.inputs == file::InputRounding::shared) return shared_mesh(scene);
+/// The triangles of meshes, which are the last of `make_stored_primitives`; null if the scene has no mesh.
+inline std::shared_ptr<const StoredMesh> make_stored_mesh(const file::Scene& scene, const FloatFormat& format) {
+    if (!scene.mesh || scene.inputs == file::InputRounding::shared) return make_shared_mesh(scene);
     const auto stored = [&format](double x) { return rounding::to_format(x, 0, format); };
     const auto mesh = std::make_shared<triangle::Mesh>(*scene.mesh);
     for (Vec<double>& v : mesh->vertices)
@@ -21,11 +21,12 @@ inline std::shared_ptr<const StoredMesh> stored_mesh(const file::Scene& scene, c
     return std::make_shared<const StoredMesh>(mesh, transform, file::InputRounding::own);
 }
 
-/// The primitives of `stored_primitives` that are not triangles of meshes.
-inline std::vector<Primitive<double>> stored_beside_mesh(const file::Scene& scene, const FloatFormat& format) {
+/// The primitives of `make_stored_primitives` that are not triangles of meshes.
+inline std::vector<Primitive<double>> make_stored_primitives_beside_mesh(const file::Scene& scene,
+                                                                         const FloatFormat& format) {
     file::Scene without_mesh = scene;
     without_mesh.mesh = nullptr;
-    return stored_primitives(without_mesh, format);
+    return make_stored_primitives(without_mesh, format);
 }
 
 /// The primitives and at most two triangles of the mesh. They stand for all primitives where only two facts matter:

@@ -97,7 +97,7 @@ std::vector<std::string> UnrepresentableLengths::lines() const {
     return lines;
 }
 
-std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const FloatFormat& format) {
+std::vector<std::string> find_unrepresentable_lengths(const file::Scene& scene, const FloatFormat& format) {
     // A format that has all numbers of binary32 loses none of them.
     const bool is_shared = scene.inputs == file::InputRounding::shared;
     if (is_shared && format.precision >= binary32.precision && format.emin <= binary32.emin &&

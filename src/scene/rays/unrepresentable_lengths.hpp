@@ -48,6 +48,6 @@ private:
 };
 
 /// The losses of a scene's eye and primitives. Shared inputs are binary32 numbers before the format sees them.
-std::vector<std::string> unrepresentable_lengths(const file::Scene& scene, const FloatFormat& format);
+std::vector<std::string> find_unrepresentable_lengths(const file::Scene& scene, const FloatFormat& format);
 
 }  // namespace lostbits::scene::rays

@@ -239,7 +239,7 @@ Primitive<double> CaseFile::PrimitiveSpec::primitive_in(const FloatFormat& forma
     return primitive;
 }
 
-bool CaseFile::have_transform() const {
+bool CaseFile::has_transform() const {
     return std::ranges::any_of(cases_, [](const Case& case_) {
         return std::ranges::any_of(case_.primitives, [](const PrimitiveSpec& spec) { return !spec.matrix.empty(); });
     });
@@ -327,7 +327,7 @@ void require_no_misspelt_tables(const Node& root) {
 
 }  // namespace
 
-SweepKind sweep_kind(const std::filesystem::path& path) {
+SweepKind read_sweep_kind(const std::filesystem::path& path) {
     const Node root = toml::read_toml(path);
     if (TableReader file(root); file.has("schema")) {
         toml::require_schema(file, sweep_schema);

@@ -28,15 +28,15 @@ public:
     [[nodiscard]] std::size_t size() const { return cases_.size(); }
     [[nodiscard]] const std::string& name(std::size_t i) const { return cases_[i].name; }
     /// Number of rays of the case. Each of its groups has all of them.
-    [[nodiscard]] int rays_of(std::size_t i) const { return static_cast<int>(cases_[i].rays.size()); }
-    [[nodiscard]] const std::string& note_of(std::size_t i) const { return cases_[i].note; }
+    [[nodiscard]] int ray_count(std::size_t i) const { return static_cast<int>(cases_[i].rays.size()); }
+    [[nodiscard]] const std::string& case_note(std::size_t i) const { return cases_[i].note; }
     /// The shapes of the primitives of all cases, each once. A case need not have all of these shapes.
     [[nodiscard]] std::vector<Shape> shapes() const;
     [[nodiscard]] bool accepts(Shapes form_shapes) const {
-        return form_shapes == Shapes(shapes()).with_transform(have_transform());
+        return form_shapes == Shapes(shapes()).with_transform(has_transform());
     }
     /// True if primitives of cases have transforms.
-    [[nodiscard]] bool have_transform() const;
+    [[nodiscard]] bool has_transform() const;
     /// Returns the indices of the cases whose name matches a glob. Throws InputError with did-you-mean and `where` in
     /// front.
     [[nodiscard]] std::vector<std::size_t> cases_matching(const std::string& glob,
@@ -91,6 +91,6 @@ private:
 /// Kinds of sweep files, which differ in their tables.
 enum class SweepKind { axes, cases, search, edge_search, every_float };
 /// Throws InputError for a file of another schema, and for a table whose name is misspelt.
-SweepKind sweep_kind(const std::filesystem::path& path);
+SweepKind read_sweep_kind(const std::filesystem::path& path);
 
 }  // namespace lostbits::scene::sweep

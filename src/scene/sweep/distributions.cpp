@@ -37,7 +37,7 @@ std::span<const DistributionRow> distributions() {
     return rows;
 }
 
-std::string distribution_tables() {
+std::string distribution_tables_text() {
     std::string text;
     for (const DistributionRow& distribution_row : distributions()) {
         const bool is_last = &distribution_row == &distributions().back();

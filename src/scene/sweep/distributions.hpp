@@ -34,6 +34,6 @@ struct DistributionRow {
 std::span<const DistributionRow> distributions();
 
 /// Returns `a [sphere_rays] or a [box_rays] table`.
-std::string distribution_tables();
+std::string distribution_tables_text();
 
 }  // namespace lostbits::scene::sweep

@@ -40,7 +40,7 @@ std::string nearest_text(const Real& x) {
 /// Reads a number that every form gets unrounded.
 float read_float(TableReader& table, std::string_view key) {
     const Real x = table.number(key);
-    if (const auto exact = exact_float(x)) return *exact;
+    if (const auto exact = to_exact_float(x)) return *exact;
     table.fail_at(key,
                   "is not representable in binary32, and rounding it would test another value; " + nearest_text(x));
 }
@@ -49,7 +49,7 @@ Vec<float> read_float_vector(TableReader& table, std::string_view key) {
     const Vec<Real> components = table.vec3(key);
     Vec<float> v;
     for (int i = 0; i < 3; ++i) {
-        const auto exact = exact_float(components[i]);
+        const auto exact = to_exact_float(components[i]);
         if (!exact)
             table.fail_at(key, "holds a number that is not representable in binary32, at index " + std::to_string(i) +
                                    "; " + nearest_text(components[i]));
@@ -60,7 +60,7 @@ Vec<float> read_float_vector(TableReader& table, std::string_view key) {
 
 }  // namespace
 
-std::optional<float> exact_float(const Real& x) {
+std::optional<float> to_exact_float(const Real& x) {
     const double rounded = toml::round_to_format(x, binary32);
     if (std::isfinite(rounded) && Real(rounded) == x) return static_cast<float>(rounded);
     return std::nullopt;
@@ -100,7 +100,7 @@ void ExhaustiveFile::read_range(TableReader& table) {
     // If neither end is a float and no float lies between them, the message is about both.
     const Real from = table.number("from"), to = table.number("to");
     const bool rises = from < to;
-    const auto low = exact_float(rises ? from : to), high = exact_float(rises ? to : from);
+    const auto low = to_exact_float(rises ? from : to), high = to_exact_float(rises ? to : from);
     if (!low && !high &&
         index_of(adjacent_floats(rises ? from : to).above) > index_of(adjacent_floats(rises ? to : from).below))
         table.fail_at("from", "and to have no number of binary32 between them; " + nearest_text(from));
@@ -172,7 +172,7 @@ void ExhaustiveFile::read_scene(TableReader& file, const std::filesystem::path& 
     for (const ShapeRow& shape_row : shape_rows)
         file.reject(shape_row.name, "cannot be combined with scene, whose mesh the rays cross; leave one out");
     scene = read_mesh_scene(file, data_dir, stop);
-    mesh = rays::shared_mesh(*scene);
+    mesh = rays::make_shared_mesh(*scene);
     primitive = Primitive<float>(triangle::Mesh::shape);
 }
 
@@ -211,7 +211,7 @@ ExhaustiveFile::ExhaustiveFile(const std::filesystem::path& path, const std::fil
     file.require_known_keys();
 }
 
-std::uint64_t ExhaustiveFile::floats() const {
+std::uint64_t ExhaustiveFile::float_count() const {
     std::uint64_t sum = 0;
     for (const FloatRange& range : ranges_) sum += range.size();
     return sum;
@@ -219,7 +219,7 @@ std::uint64_t ExhaustiveFile::floats() const {
 
 void ExhaustiveFile::narrow(const Real& from, const Real& to, const toml::SourcePosition& where) {
     const auto index_in_ranges = [&](const Real& x) {
-        const auto exact = exact_float(x);
+        const auto exact = to_exact_float(x);
         if (!exact) toml::fail(where, "a number is not representable in binary32; " + nearest_text(x));
         const std::uint32_t index = index_of(*exact);
         if (std::ranges::none_of(ranges_, [index](const FloatRange& r) {

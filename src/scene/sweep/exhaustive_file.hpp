@@ -48,7 +48,7 @@ public:
 
     /// The ranges to try, in order: from `from` to `to`, or from each zero outwards over all floats of its sign.
     [[nodiscard]] const std::vector<FloatRange>& ranges() const { return ranges_; }
-    [[nodiscard]] std::uint64_t floats() const;
+    [[nodiscard]] std::uint64_t float_count() const;
     /// Narrows the sweep to the floats from `from` to `to`. Throws InputError with `where` in front unless both are
     /// floats of the file's ranges.
     void narrow(const Real& from, const Real& to, const toml::SourcePosition& where);
@@ -77,6 +77,6 @@ private:
 };
 
 /// Returns x if it is representable in binary32; otherwise nothing.
-std::optional<float> exact_float(const Real& x);
+std::optional<float> to_exact_float(const Real& x);
 
 }  // namespace lostbits::scene::sweep

@@ -95,19 +95,19 @@ void SearchFile::read_drawing(TableReader& table) {
 void SearchFile::read_goal(TableReader& table) {
     table.read("metric", metric);
     table.read("seed", seed, 0, 1LL << 53);
-    table.read("starts", starts, 1, 4096);
-    table.read("generations", generations, 1, 65536);
+    table.read("starts", start_count, 1, 4096);
+    table.read("generations", generation_count, 1, 65536);
 
     table.read("nearest", nearest);
     if (nearest && !is_round())
         table.reject("nearest",
                      "needs a sphere, because it minimises the distance to the centre in radii; leave it out");
 
-    table.read("smallest", smallest);
+    table.read("smallest", is_minimised);
     table.read("hits_only", hits_only);
-    hits_only = hits_only || smallest;
+    hits_only = hits_only || is_minimised;
     if (hits_only && nearest)
-        table.reject(smallest ? "smallest" : "hits_only",
+        table.reject(is_minimised ? "smallest" : "hits_only",
                      "cannot be combined with nearest, which is about wrong decisions; leave one out");
 }
 
@@ -154,8 +154,8 @@ EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::fil
         table.fail_at("distance", "must lie above 0 and up to 2^60, in lengths of an edge");
     table.read("ulps", ulps, 0, 1024);
     table.read("seed", seed, 0, 1LL << 53);
-    table.read("rays", rays, 1, 1LL << 40);
-    table.read("census", census, 0, 1LL << 40);
+    table.read("rays", ray_count, 1, 1LL << 40);
+    table.read("census", census_ray_count, 0, 1LL << 40);
     table.require_known_keys();
     file.require_known_keys();
 }

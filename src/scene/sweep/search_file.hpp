@@ -44,12 +44,12 @@ public:
     SearchedRange distance_radii{0, 0x1p1000}, impact_radii{0, 0x1p1000};
     std::string metric = "lost_bits";  ///< the metric to maximise; a wrong decision counts more than any value
     /// True if the metric is minimised instead, as for `bound_ratio`; then only hits count.
-    bool smallest = false;
+    bool is_minimised = false;
     /// True if wrong decisions are ignored; the search looks for the worst hit.
     bool hits_only = false;
     std::uint64_t seed = 1;
-    int starts = 16;       ///< random rays from which the search begins
-    int generations = 64;  ///< number of generations, of 32 neighbours each, from every start
+    int start_count = 16;       ///< random rays from which the search begins
+    int generation_count = 64;  ///< number of generations, of 32 neighbours each, from every start
     /// Numbers are drawn as ±m·2^e with whole e from this range. Each significand m is equally likely, or m is a few
     /// last places from a power of two, where roundings are largest. Moves also flip single bits and change exponents.
     /// If absent, numbers are drawn uniformly from their ranges.
@@ -89,8 +89,9 @@ public:
     SearchedRange distance{1, 0x1p20};  ///< from the eye to the point of an edge, in lengths of the edge
     int ulps = 2;                       ///< each component of a direction is moved by at most this many ulps
     std::uint64_t seed = 1;
-    std::int64_t rays = 1 << 20;  ///< number of rays tried for each form and each outcome
-    std::int64_t census = 20000;  ///< number of rays from the whole range whose outcomes are counted for each form
+    std::int64_t ray_count = 1 << 20;  ///< number of rays tried for each form and each outcome
+    std::int64_t census_ray_count =
+        20000;  ///< number of rays from the whole range whose outcomes are counted for each form
 
     [[nodiscard]] bool accepts(Shapes form_shapes) const { return form_shapes == Shapes(triangle::Mesh::shape); }
 };

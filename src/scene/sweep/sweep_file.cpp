@@ -239,7 +239,7 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
         distributions(), [&](const DistributionRow& distribution_row) { return file.has(distribution_row.table); });
     if (distribution_count + int{scene.has_value()} != 1)
         toml::fail(file.where(),
-                   "a sweep is over either scene = \"…\", " + distribution_tables() +
+                   "a sweep is over either scene = \"…\", " + distribution_tables_text() +
                        "; write one of them, or [[ray]] tables and their primitive to try every float of a number");
 
     const DistributionRow* const distribution = find_distribution(root_);
@@ -321,8 +321,8 @@ std::vector<RayGroup> SweepFile::rays_of_scene(const std::vector<toml::Override>
 
     RayGroup group{rays::make_shared_rays(scene, 0, scene.height), {}};
     // A form that marches needs its primitives one by one, and spheres beside triangles have no tree.
-    if (!scene.flake && !scene.march) group.mesh = rays::shared_mesh(scene);
-    group.primitives = group.mesh ? rays::round_listed_primitives(scene) : rays::shared_primitives(scene);
+    if (!scene.flake && !scene.march) group.mesh = rays::make_shared_mesh(scene);
+    group.primitives = group.mesh ? rays::round_listed_primitives(scene) : rays::make_shared_primitives(scene);
     if (scene.march) group.march = file::round_march(*scene.march, binary32);
     if (scene.camera.projection) group.scene = std::make_shared<const file::Scene>(scene);
     return {std::move(group)};

@@ -45,7 +45,7 @@ std::string error_phrase(const std::filesystem::filesystem_error& error) {
            "; check the path, and the links on it";
 }
 
-std::filesystem::path folder_of_data(const std::filesystem::path& data_dir, const std::string& folder_name) {
+std::filesystem::path find_data_folder(const std::filesystem::path& data_dir, const std::string& folder_name) {
     const std::filesystem::path folder = data_dir / folder_name;
     std::error_code error;
     const auto status = std::filesystem::status(folder, error);

@@ -20,7 +20,7 @@ std::string suggest_file(const std::filesystem::path& path);
 
 /// Returns the folder `scenes`, `sweeps` or `claims` of the data folder. Throws InputError if it does not exist, since
 /// an empty list would hide this fault.
-[[nodiscard]] std::filesystem::path folder_of_data(const std::filesystem::path& data_dir,
-                                                   const std::string& folder_name);
+[[nodiscard]] std::filesystem::path find_data_folder(const std::filesystem::path& data_dir,
+                                                     const std::string& folder_name);
 
 }  // namespace lostbits::scene::toml

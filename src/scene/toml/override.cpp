@@ -105,14 +105,14 @@ void apply_override(Node& root, const Override& change) {
     *node = change.value;
 }
 
-std::vector<Override> overrides_in(const Node& table) {
+std::vector<Override> read_overrides(const Node& table) {
     std::vector<Override> overrides;
     for (const Node::Entry& entry : table.entries) {
         if (entry.value.kind != Node::Kind::table) {
             overrides.push_back({entry.key, entry.value, entry.key_where});
             continue;
         }
-        for (Override& inner : overrides_in(entry.value))
+        for (Override& inner : read_overrides(entry.value))
             overrides.push_back({entry.key + '.' + inner.path, std::move(inner.value), inner.where});
     }
     return overrides;

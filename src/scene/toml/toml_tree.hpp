@@ -77,6 +77,6 @@ Override parse_override(std::string_view assignment, std::string_view option = "
 void apply_override(Node& root, const Override& change);
 
 /// Returns the overrides of a table of `"path" = value`. Plain tables inside it extend the path.
-std::vector<Override> overrides_in(const Node& table);
+std::vector<Override> read_overrides(const Node& table);
 
 }  // namespace lostbits::scene::toml

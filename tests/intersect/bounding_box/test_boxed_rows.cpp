@@ -44,7 +44,7 @@ TEST_CASE("a hit is found from its margin on and not below it, and only padded e
             const Intersector& row =
                 boxed_form(intersect::bounding_box::default_box_method(), form(box), form("triangle.filtered"));
             const auto t = evaluate_one(row, f32, ray, primitive, HUGE_VAL);
-            const double margin = measure::answer::end_margin(row, f32, ray, primitive, {});
+            const double margin = measure::answer::find_end_margin(row, f32, ray, primitive, {});
             CHECK(std::isnan(margin) == !t.has_value());
             if (!t) continue;
             const double ulp = std::ldexp(1, std::ilogb(*t) - 23);

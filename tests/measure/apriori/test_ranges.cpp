@@ -89,8 +89,8 @@ void check_form(const char* name, std::size_t distributions, const Draw& draw) {
             for (std::size_t distribution = 0; distribution < distributions; ++distribution)
                 check_box(form_named(name), format, draw(format, distribution, random), random, all);
         INFO(name << " in " << format_name);
-        CHECK(all.hits > 0);
-        CHECK(all.bounded_hits > 0);
+        CHECK(all.hit_count > 0);
+        CHECK(all.bounded_hit_count > 0);
     }
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("a bound over the ranges of a scene exceeds the errors of its rays and
         const RangesBound r = bound_of(form, scene);
         INFO(form << " on " << id);
         for (const ObservedErrors& seen : {r.errors_of_given_rays, r.errors_of_drawn_rays}) {
-            CHECK(seen.bounded_hits > 0);
+            CHECK(seen.bounded_hit_count > 0);
             CHECK(seen.largest_ratio <= 1 + 0x1p-40);
             CHECK(seen.largest_error <= r.largest);
         }
@@ -174,7 +174,7 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
             {.rays = step, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 1024});
         INFO(views);
         REQUIRE(r.ranges.size() == 1);
-        CHECK(r.rays == 64 * step.groups.size());
+        CHECK(r.ray_count == 64 * step.groups.size());
         InputBox hull = r.ranges.front();
         for (auto& [low, high] : hull) low = HUGE_VAL, high = -HUGE_VAL;
         for (const auto& group : step.groups)
@@ -189,10 +189,10 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
             CHECK(r.ranges.front()[k].low == hull[k].low);
             CHECK(r.ranges.front()[k].high == hull[k].high);
         }
-        CHECK(r.errors_of_given_rays.hits > 0);
+        CHECK(r.errors_of_given_rays.hit_count > 0);
         CHECK(r.errors_of_given_rays.largest_ratio <= 1 + 0x1p-40);
         if (step.groups.size() > 1) continue;  // spheres on all sides have hardly any bound
-        CHECK(r.errors_of_given_rays.bounded_hits > 0);
+        CHECK(r.errors_of_given_rays.bounded_hit_count > 0);
         CHECK(r.errors_of_given_rays.largest_error <= r.largest);
     }
 }
@@ -213,7 +213,7 @@ TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of 
 TEST_CASE("a form that uses the sign of a value that is zero without rounding has no bound", "[apriori]") {
     const RangesBound r = bound_of("sphere.closest_approach", scene_named("near-benign"), 64);
     CHECK(r.missed_fraction + r.unknown_fraction == 1);
-    CHECK(r.errors_of_given_rays.bounded_hits == 0);
+    CHECK(r.errors_of_given_rays.bounded_hit_count == 0);
 }
 
 TEST_CASE("a form without a bound over ranges reports why", "[apriori]") {

@@ -140,7 +140,7 @@ TEST_CASE("derivatives by inputs agree with forward differentiation", "[attribut
             tape[tape.outputs.hit].value == 0)
             return;
         const Attribution a = measure::attribution::attribute(tape, tape.outputs.t, {.full = true});
-        const std::vector<double> forward = measure::stability::forward_derivatives(tape);
+        const std::vector<double> forward = measure::stability::compute_forward_derivatives(tape);
         std::size_t input = 0;
         for (NodeId i = 0; i < tape.size() && input < 10; ++i) {
             if (tape[i].op != TapeOp::input) continue;

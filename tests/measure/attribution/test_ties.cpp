@@ -210,7 +210,7 @@ TEST_CASE("ties: contributions are equal if they agree to 2^-20", "[ties]") {
         const Attribution a = attribution_of(hand, t);
         CHECK(a.culprit == (equal ? smaller : larger).node());
         CHECK(a.equal_culprits.empty() != equal);
-        CHECK(measure::attribution::largest_contributions(hand.tape, a, 1).empty());
+        CHECK(measure::attribution::find_largest_contributions(hand.tape, a, 1).empty());
     }
 }
 

@@ -11,7 +11,7 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and a ch
     for (const intersect::table::Intersector& form : intersect::table::intersectors(Shape::box)) {
         INFO(form.info->name);
         if (form.info->touching == intersect::Touching::hit)
-            CHECK(measure::check::differs_with_closest({&form, *find_format("f32")}, 8, 1, {}) == 0);
+            CHECK(measure::check::measure_closest_t_difference({&form, *find_format("f32")}, 8, 1, {}) == 0);
     }
     // A form that ignores the end of the ray still agrees; a form that then hits nothing does not.
     static const intersect::Info info{.name = "box.shy", .title = "-", .source = "-"};
@@ -24,8 +24,8 @@ TEST_CASE("passing on the closest t changes no answer of a closed form, and a ch
             hits.t[i] = hits.near[i] = hits.far[i] = -target.primitives.front().numbers[0];
         }
     };
-    CHECK(measure::check::differs_with_closest({&shy, *find_format("f32")}, 8, 1, {}) > 0.5);
-    CHECK_THROWS_AS(measure::check::differs_with_closest(
+    CHECK(measure::check::measure_closest_t_difference({&shy, *find_format("f32")}, 8, 1, {}) > 0.5);
+    CHECK_THROWS_AS(measure::check::measure_closest_t_difference(
                         {&intersect::table::intersectors(Shape::sphere).front(), *find_format("f32")}, 8, 1, {}),
                     InputError);
 }

@@ -16,7 +16,7 @@ namespace {
 
 std::vector<Claim> all_claims() {
     std::vector<Claim> all;
-    for (const auto& file : scene::check::claim_files(std::filesystem::path(LOSTBITS_DATA_DIR) / "claims")) {
+    for (const auto& file : scene::check::list_claim_files(std::filesystem::path(LOSTBITS_DATA_DIR) / "claims")) {
         for (Claim& claim : scene::check::read_claims(file)) all.push_back(std::move(claim));
     }
     return all;

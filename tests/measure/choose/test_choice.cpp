@@ -32,7 +32,7 @@ ChoiceRequest request_of(const Scene& scene, double bits) {
 Candidate candidate(double time, std::uint64_t wrong, double bits) {
     Candidate c{.tested_form = row("sphere.schoolbook", "f32")};
     c.time.median = time;
-    c.quality = {.rays = 100, .wrong = wrong, .kept_bits = bits, .hits = 50};
+    c.quality = {.ray_count = 100, .wrong_count = wrong, .kept_bits = bits, .true_hit_count = 50};
     return c;
 }
 
@@ -42,15 +42,15 @@ TEST_CASE("the cheapest row that meets a requirement is neither the fastest nor 
     const double none = std::nan("");
     const std::vector<Candidate> all{candidate(1, 0, 9), candidate(2, 1, 20), candidate(3, 0, 17), candidate(4, 0, 22),
                                      candidate(0.5, 50, none)};
-    CHECK(cheapest(all, {.bits = 16}) == 2);
-    CHECK(cheapest(all, {.bits = 16, .wrong = 0.01}) == 1);
-    CHECK(cheapest(all, {.bits = 8}) == 0);
-    CHECK(fastest(all) == 4);
-    CHECK(most_accurate(all) == 3);
-    CHECK_FALSE(cheapest(all, {.bits = 23}));
-    CHECK(nearest_candidate(all, {.bits = 23}) == 3);
-    CHECK(measure::choose::nearest_candidate({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
-    CHECK_FALSE(cheapest({candidate(1, 0, none)}, {.bits = 0}));
+    CHECK(find_cheapest(all, {.bits = 16}) == 2);
+    CHECK(find_cheapest(all, {.bits = 16, .max_wrong_fraction = 0.01}) == 1);
+    CHECK(find_cheapest(all, {.bits = 8}) == 0);
+    CHECK(find_fastest(all) == 4);
+    CHECK(find_most_accurate(all) == 3);
+    CHECK_FALSE(find_cheapest(all, {.bits = 23}));
+    CHECK(find_nearest_candidate(all, {.bits = 23}) == 3);
+    CHECK(measure::choose::find_nearest_candidate({candidate(1, 7, 20), candidate(2, 3, 5)}, {.bits = 1}) == 1);
+    CHECK_FALSE(find_cheapest({candidate(1, 0, none)}, {.bits = 0}));
 }
 
 TEST_CASE("every row is timed on rays of the scene and has the accuracy that a map reports") {
@@ -67,11 +67,11 @@ TEST_CASE("every row is timed on rays of the scene and has the accuracy that a m
     const auto summaries =
         measure::evaluate::run_map({.scene = &scene, .tested_forms = request.tested_forms, .metrics = {lost}});
     for (std::size_t r = 0; r < all.size(); ++r) {
-        CHECK(all[r].quality.wrong == summaries[r].wrong_count());
-        CHECK(all[r].quality.hits == summaries[r].true_hits);
+        CHECK(all[r].quality.wrong_count == summaries[r].wrong_count());
+        CHECK(all[r].quality.true_hit_count == summaries[r].true_hit_count);
     }
-    CHECK(all[0].quality.wrong > 0);
-    CHECK(all[1].quality.wrong == 0);
+    CHECK(all[0].quality.wrong_count > 0);
+    CHECK(all[1].quality.wrong_count == 0);
     CHECK(all[1].quality.kept_bits == 53 - summaries[1].metrics[0].quantile(0.99));
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("a form is called the fastest only beyond the noise, and scalar forms 
             candidate.time.high_quartile = candidate.time.median * (1 + spread);
         }
         all[1].isa = isa;
-        return output::choose::choice_text({request, all, {2000, 1}, cheapest(all, request.requirement)});
+        return output::choose::choice_text({request, all, {2000, 1}, find_cheapest(all, request.requirement)});
     };
     const std::string near = said(1, 1.002, 0.02, "512"), apart = said(1, 1.5, 0.02, "512");
     CHECK(near.find("It is the fastest of all") == std::string::npos);
@@ -148,7 +148,7 @@ TEST_CASE("a mesh, with a matrix or without, moves with everything else, and doe
         REQUIRE(there);
         const measure::truth::Band before(scene, 0, scene.height), after(there->scene, 0, scene.height);
         std::size_t hits = 0, other = 0;
-        for (std::size_t i = 0; i < before.pixels(); ++i) {
+        for (std::size_t i = 0; i < before.pixel_count(); ++i) {
             const measure::truth::Truth a = before.truth(i, {}), b = after.truth(i, {});
             hits += a.is_hit();
             other += a.is_hit() != b.is_hit() || (a.is_hit() && std::fabs(a.t.hi / b.t.hi - 1) > 1e-6);
@@ -221,7 +221,7 @@ TEST_CASE("a requirement that fails at once has no margin") {
     for (const GrowthMargin& margin : margins) {
         CHECK(margin.holding_factor == 0);
         CHECK(margin.end == MarginEnd::fails);
-        CHECK(margin.end_quality.wrong > 0);
+        CHECK(margin.end_quality.wrong_count > 0);
     }
 }
 

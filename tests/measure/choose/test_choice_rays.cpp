@@ -54,9 +54,9 @@ ChoiceRequest requirement_of(double bits, std::vector<TestedForm> tested_forms) 
 }
 
 void require_same(const FormQuality& a, const FormQuality& b) {
-    CHECK(a.rays == b.rays);
-    CHECK(a.hits == b.hits);
-    CHECK(a.wrong == b.wrong);
+    CHECK(a.ray_count == b.ray_count);
+    CHECK(a.true_hit_count == b.true_hit_count);
+    CHECK(a.wrong_count == b.wrong_count);
     CHECK(a.main_fault == b.main_fault);
     CHECK(a.kept_bits == b.kept_bits);
 }
@@ -88,7 +88,7 @@ TEST_CASE("rays of files are judged as the scene that they come from, in one fil
     request.scene = &scene;
     const auto expected = measure_quality(request);
     request.scene = nullptr;
-    const FileOptions options{.result_name = "rays", .primitives = scene::rays::shared_primitives(scene)};
+    const FileOptions options{.result_name = "rays", .primitives = scene::rays::make_shared_primitives(scene)};
     const auto whole = opened(written(folder, "whole", columns_of(rays, 0, rays.size())), false);
     const FileRays one = judge_and_sample(*whole, options, request);
     CHECK(one.ray_count == rays.size());
@@ -127,7 +127,7 @@ TEST_CASE("the sample of a long file is every n-th ray") {
     ChoiceRequest request = requirement_of(8, {test::row("sphere.schoolbook", "f32")});
     const FileRays judged = judge_and_sample(*ray_file, {.result_name = "long"}, request);
     CHECK(judged.ray_count == rays);
-    CHECK(judged.quality.front().hits == rays);
+    CHECK(judged.quality.front().true_hit_count == rays);
     const auto& sample = judged.sample;
     REQUIRE(sample.rays.size() == 2500);  // of 40000 every 16th: of 8 there were 5000
     CHECK(sample.is_paired);
@@ -153,8 +153,8 @@ TEST_CASE("files of different kinds are not read together") {
 TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points from farther away") {
     const Scene scene = scene_of_choice("near-benign", {16, 12});
     const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12),
-                                      scene::rays::shared_primitives(scene)};
-    const IdealRays ideal = exact_rays(group);
+                                      scene::rays::make_shared_primitives(scene)};
+    const IdealRays ideal = make_ideal_rays(group);
     const measure::truth::Band here = ideal.band({});
     for (const Growth growth : {Growth::distance, Growth::radius, Growth::offset}) {
         INFO(growth_names[static_cast<std::size_t>(growth)]);
@@ -170,7 +170,7 @@ TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points f
         REQUIRE(there);
         const measure::truth::Band band = there->rays.band({});
         std::size_t hits = 0;
-        for (std::size_t i = 0; i < here.pixels() && growth != Growth::radius; ++i) {
+        for (std::size_t i = 0; i < here.pixel_count() && growth != Growth::radius; ++i) {
             REQUIRE(band.truth(i, {}).primitive == here.truth(i, {}).primitive);
             if (!here.truth(i, {}).is_hit()) continue;
             ++hits;
@@ -205,7 +205,7 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
     const Scene scene = scene_of_choice("near-benign", {32, 24});
     FileRays rays;
     rays.format = *find_format("f32");
-    rays.sample = {scene::rays::make_shared_rays(scene, 0, 24), scene::rays::shared_primitives(scene)};
+    rays.sample = {scene::rays::make_shared_rays(scene, 0, 24), scene::rays::make_shared_primitives(scene)};
     const TestedForm row = test::row("sphere.schoolbook", "f32");
     ChoiceRequest request = requirement_of(14, {row});
     request.rays = &rays;
@@ -217,7 +217,7 @@ TEST_CASE("a requirement on rays holds at the edge of the margin and fails just 
         if (margin.end != MarginEnd::fails) continue;
         CHECK(margin.end_factor / margin.holding_factor <= 1.02);
         const auto at = [&](double factor) {
-            const auto there = stretch(exact_rays(rays.sample), margin.growth, factor);
+            const auto there = stretch(make_ideal_rays(rays.sample), margin.growth, factor);
             return measure_quality_on(measure::truth::Band(store_in_format(there->rays, binary32)), row,
                                       request.requirement);
         };
@@ -283,7 +283,7 @@ TEST_CASE("obstacles: format, problem and formula are told apart") {
     request.scene = &oblique;
     const Obstacle formula = find_obstacle(request, schoolbook);
     CHECK(formula.cause == Obstacle::Cause::formula);
-    CHECK(formula.exact.wrong == 0);
+    CHECK(formula.exact.wrong_count == 0);
     CHECK(formula.rounds_to_binary32_first);
 }
 
@@ -303,21 +303,21 @@ TEST_CASE("obstacles: inputs that binary64 cannot hold need a wider format") {
 TEST_CASE("the safe offsets of a choice are those of the scene in fewer pixels") {
     const Scene scene = scene_of_choice("near-benign", {32, 24});
     const TestedForm row = test::row("sphere.double_inside", "f32");
-    const auto safe = safe_offsets(scene, row);
+    const auto safe = find_safe_offsets(scene, row);
     REQUIRE(safe);
     CHECK(safe->point_count > 100);
     REQUIRE_FALSE(safe->outside.empty());
-    CHECK(safe->outside.front().operations == 0);  // the primitive is at least not tested
+    CHECK(safe->outside.front().operation_count == 0);  // the primitive is at least not tested
     CHECK(std::ranges::count(safe->outside, "offset.exclude", [](const auto& s) { return s.strategy->name; }) == 1);
     const measure::offset::OffsetStudy request{.scene = scene,
                                                .tested_forms = {{row}},
                                                .strategies = measure::offset::all_strategies(),
                                                .search_quiet_offset = false};
-    const auto all =
-        measure::offset::safe_strategies(measure::study::run_study(request).front(), request.strategies, Shape::sphere);
+    const auto all = measure::offset::find_safe_strategies(measure::study::run_study(request).front(),
+                                                           request.strategies, Shape::sphere);
     REQUIRE(safe->both_sides.size() == all.size());
     for (std::size_t k = 0; k < all.size(); ++k) CHECK(safe->both_sides[k].strategy == all[k].strategy);
-    CHECK_FALSE(safe_offsets(scene_of_choice("sphereflake-near"), row));
+    CHECK_FALSE(find_safe_offsets(scene_of_choice("sphereflake-near"), row));
 }
 
 }  // namespace lostbits::test::test_choice_rays

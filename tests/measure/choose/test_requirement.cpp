@@ -66,7 +66,7 @@ MeasuredRequirement require(const scene::file::Scene& scene, const std::vector<T
         .all = {},
         .requirement_map = {}};
     asked.request.requirement.bits = bits;
-    MetPixelsByForm meetings(asked.request, tested_forms);
+    PassingPixelsByForm meetings(asked.request, tested_forms);
     asked.request.show = meetings.show();
     const auto quality = measure_quality(asked.request);
     for (std::size_t r = 0; r < tested_forms.size(); ++r) {
@@ -90,11 +90,11 @@ TEST_CASE("each pixel takes the cheapest right row, and the narrowest format tha
         auto every = rows;
         every.insert(every.end(), untimed_forms.begin(), untimed_forms.end());
         const auto maps = maps_of(scene, every);
-        REQUIRE(r.pixels() == scene.pixels());
+        REQUIRE(r.pixel_count() == scene.pixel_count());
         REQUIRE(r.formats.size() == 4);
         CHECK(r.formats[0].name == "fp16");
         CHECK(r.formats[3].name == "f64");
-        for (std::size_t i = 0; i < r.pixels(); ++i) {
+        for (std::size_t i = 0; i < r.pixel_count(); ++i) {
             int cheapest = RequirementMap::none, narrowest = 1000;
             for (std::size_t k = 0; k < every.size(); ++k) {
                 if (!maps[k].right(i, bits, every[k].format.parameters.precision)) continue;
@@ -111,21 +111,21 @@ TEST_CASE("each pixel takes the cheapest right row, and the narrowest format tha
 TEST_CASE("pixel counts of a requirement sum to the image, and fewer pixels meet a stricter requirement") {
     const auto scene = small_scene("rtg-fig-7-3-4100-oblique");
     const auto rows = rows_of({"sphere.schoolbook", "sphere.embree_point"}, {"f32", "f64"});
-    std::vector<std::uint64_t> before(rows.size(), scene.pixels() + 1);
+    std::vector<std::uint64_t> before(rows.size(), scene.pixel_count() + 1);
     for (const double bits : {0.0, 10.0, 20.0, 24.5, 45.0, 53.5}) {
         const auto [request, all, r] = require(scene, rows, {1, 3, 2, 4}, bits);
         const auto sum = [](const std::vector<std::uint64_t>& counts) {
             return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
         };
-        CHECK(sum(r.pixels_cheapest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
-        CHECK(sum(r.pixels_narrowest) + r.pixels_none_meets + r.pixels_unknown == r.pixels());
+        CHECK(sum(r.cheapest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixel_count());
+        CHECK(sum(r.narrowest_pixel_counts) + r.unmet_pixel_count + r.unknown_pixel_count == r.pixel_count());
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            CHECK(r.pixels_met[k] <= before[k]);
-            CHECK(r.pixels_cheapest[k] <= r.pixels_met[k]);
+            CHECK(r.met_pixel_counts[k] <= before[k]);
+            CHECK(r.cheapest_pixel_counts[k] <= r.met_pixel_counts[k]);
             const std::size_t format = rows[k].format.name == "f32" ? 0 : 1;
-            CHECK(r.pixels_met[k] <= r.pixels_any_form_meets[format]);
+            CHECK(r.met_pixel_counts[k] <= r.met_by_any_form_pixel_counts[format]);
         }
-        before = r.pixels_met;
+        before = r.met_pixel_counts;
         const double least = r.min_time(all);
         CHECK(least >= 1);
         CHECK(least <= 4);
@@ -139,9 +139,9 @@ TEST_CASE("where f32 cannot keep the bits, hits need f64 and misses do not") {
     const auto maps = maps_of(scene, {rows[1]});
     const auto hits = static_cast<std::uint64_t>(std::ranges::count(maps[0].outcomes, Outcome::agree_hit));
     REQUIRE(hits > 0);
-    CHECK(r.pixels_narrowest[1] == hits);
-    CHECK(r.pixels_narrowest[0] == r.pixels() - hits);
-    CHECK(r.pixels_met[1] == r.pixels());
+    CHECK(r.narrowest_pixel_counts[1] == hits);
+    CHECK(r.narrowest_pixel_counts[0] == r.pixel_count() - hits);
+    CHECK(r.met_pixel_counts[1] == r.pixel_count());
 }
 
 TEST_CASE("a form that computes in double does not show that float is enough") {
@@ -152,13 +152,13 @@ TEST_CASE("a form that computes in double does not show that float is enough") {
     REQUIRE(r.formats.size() == 2);
     CHECK(r.formats[1].name == "f64");
     std::uint64_t by_float = 0, by_double = 0;
-    for (std::size_t i = 0; i < r.pixels(); ++i) {
+    for (std::size_t i = 0; i < r.pixel_count(); ++i) {
         const bool narrow = maps[0].right(i, 20, 24);
         by_float += narrow;
         by_double += !narrow && maps[1].right(i, 20, 24);
     }
     CHECK(by_double > 0);
-    CHECK(r.pixels_narrowest == std::vector<std::uint64_t>{by_float, by_double});
+    CHECK(r.narrowest_pixel_counts == std::vector<std::uint64_t>{by_float, by_double});
 }
 
 }  // namespace lostbits::test::test_requirement

@@ -24,10 +24,10 @@ const Primitive<double> unit_box(Box<double>{{-1, -1, -1}, {1, 1, 1}});
 bool meets(std::string_view form, std::string_view format, const Ray<double>& ray, double end,
            const std::vector<Primitive<double>>& primitives) {
     const FormKernels kernels(form_named(form), *find_format(format));
-    auto rays = scene::rays::group_of(ray).rays;
+    auto rays = scene::rays::make_group(ray).rays;
     rays.tmax = {end};
     return std::ranges::any_of(primitives, [&](const Primitive<double>& primitive) {
-        return hits_before_tmax(kernels, rays, primitive).front() != 0;
+        return find_hits_before_tmax(kernels, rays, primitive).front() != 0;
     });
 }
 
@@ -117,26 +117,26 @@ TEST_CASE("a segment written in two ways rounds operation by operation in float"
 TEST_CASE("a chord from either end agrees with one worked out by hand", "[measure][consistency]") {
     const double ulp = 0x1p-23;
     const ReversedRays ends{{{-2, 0, 0}, {4, 0, 0}}, {{2, 0, 0}, {-4, 0, 0}}, unit_sphere};
-    const auto right = chord_error(ends, {0.25, 0.75, 0.25, 0.75}, false, ulp);
+    const auto right = compute_chord_error(ends, {0.25, 0.75, 0.25, 0.75}, false, ulp);
     REQUIRE(right);
     CHECK(right->apart == 0);
     CHECK(right->excess == 0);
-    const auto off = chord_error(ends, {0.25, 0.75 + 3 * ulp, 0.25, 0.75 - ulp}, false, ulp);
+    const auto off = compute_chord_error(ends, {0.25, 0.75 + 3 * ulp, 0.25, 0.75 - ulp}, false, ulp);
     REQUIRE(off);
     CHECK(off->apart == 3);
     CHECK(off->excess == 3);
     // As distances, the length is 4.
-    const auto distances = chord_error(ends, {1, 3, 1, 3 + 0x1p-21}, true, 0x1p-21);
+    const auto distances = compute_chord_error(ends, {1, 3, 1, 3 + 0x1p-21}, true, 0x1p-21);
     REQUIRE(distances);
     CHECK(distances->apart == 1);
     // p is inside: the part behind it is not compared.
     const ReversedRays inside{{{0, 0, 0}, {2, 0, 0}}, {{2, 0, 0}, {-2, 0, 0}}, unit_sphere};
-    const auto ahead = chord_error(inside, {123, 0.5, 0.5, 456}, false, ulp);
+    const auto ahead = compute_chord_error(inside, {123, 0.5, 0.5, 456}, false, ulp);
     REQUIRE(ahead);
     CHECK(ahead->apart == 0);
-    CHECK(std::isinf(chord_error(ends, {NAN, 0.75, 0.25, 0.75}, false, ulp)->excess));
+    CHECK(std::isinf(compute_chord_error(ends, {NAN, 0.75, 0.25, 0.75}, false, ulp)->excess));
     const ReversedRays box{{{-2, 0.5, 0.25}, {4, 0, 0}}, {{2, 0.5, 0.25}, {-4, 0, 0}}, unit_box};
-    CHECK(chord_error(box, {0.25, 0.75, 0.25, 0.75}, false, ulp)->excess == 0);
+    CHECK(compute_chord_error(box, {0.25, 0.75, 0.25, 0.75}, false, ulp)->excess == 0);
 }
 
 TEST_CASE("a chord from either end agrees with 256 bits, where rounded ends are not quite on one line",
@@ -164,7 +164,7 @@ TEST_CASE("a chord from either end agrees with 256 bits, where rounded ends are 
         const auto told = [](const Real& x) { return static_cast<double>(static_cast<float>(x)); };
         const ChordAnswer chord{told(near), told(far), told(near_back), told(far_back)};
         const double ulp = 0x1p-23;
-        const auto error = chord_error(ends, chord, false, ulp);
+        const auto error = compute_chord_error(ends, chord, false, ulp);
         REQUIRE(error);
         const auto worst = [](const Real& a, const Real& b) {
             return std::max(std::fabs(static_cast<double>(a)), std::fabs(static_cast<double>(b)));

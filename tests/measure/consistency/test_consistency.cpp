@@ -87,13 +87,13 @@ TEST_CASE("consistency: every form agrees in packs and alone, and summaries add 
             for (std::size_t c = 0; c < checks().size(); ++c) {
                 const CheckSummary& s = all[r][c];
                 CAPTURE(name, tested_forms[r].form->info->name, tested_forms[r].format.name, checks()[c].name);
-                CHECK(std::accumulate(s.counts.begin(), s.counts.end(), std::uint64_t{0}) == scene.pixels());
+                CHECK(std::accumulate(s.counts.begin(), s.counts.end(), std::uint64_t{0}) == scene.pixel_count());
                 CHECK(s.count_of(CheckResult::unresolved) == 0);
                 CHECK(s.first_disagreement.has_value() == (s.disagreements() > 0));
                 if (!checks()[c].applies(scene, *tested_forms[r].form)) CHECK(s.question_count() == 0);
                 if (!checks()[c].compares_numbers) CHECK(s.excess.count() == 0);
                 if (checks()[c].name != "packs") continue;
-                CHECK(s.question_count() == scene.pixels());
+                CHECK(s.question_count() == scene.pixel_count());
                 CHECK(s.disagreements() == 0);
             }
         }
@@ -174,7 +174,7 @@ TEST_CASE("consistency: forms that contradict themselves are detected", "[measur
 TEST_CASE("consistency: a check that does not apply is not run", "[measure][consistency]") {
     const auto names = [](const std::string& scene, std::string_view form) {
         std::vector<std::string> all;
-        for (const Check* c : checks_for(load(scene), {row(form, "f32")})) all.emplace_back(c->name);
+        for (const Check* c : select_checks(load(scene), {row(form, "f32")})) all.emplace_back(c->name);
         return all;
     };
     using Names = std::vector<std::string>;

@@ -233,7 +233,7 @@ TEST_CASE("a tree over spheres, planes and all other shapes changes no answer", 
         measure::culling::Culler culler(PrimitiveList<double>(group.primitives), group.rays);
         REQUIRE(dynamic_cast<const BoxTree*>(culler.index_for_truth()));
         const measure::truth::Band quick(group, {}, &culler), slow(group);
-        for (std::size_t i = 0; i < quick.pixels(); ++i) {
+        for (std::size_t i = 0; i < quick.pixel_count(); ++i) {
             const Truth a = quick.truth(i, {}), b = slow.truth(i, {});
             CHECK(a.decision == b.decision);
             CHECK(a.primitive == b.primitive);
@@ -320,7 +320,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
             REQUIRE(culler.index_for_truth());
             const measure::truth::Band quick(group, {}, &culler), slow(group);
             std::vector<std::uint32_t> found;
-            for (std::size_t i = 0; i < quick.pixels(); ++i) {
+            for (std::size_t i = 0; i < quick.pixel_count(); ++i) {
                 INFO("2^" << power << ", " << format.precision << " bits, ray " << i);
                 const Truth a = quick.truth(i, {}), b = slow.truth(i, {});
                 CHECK(a.decision == b.decision);

@@ -46,7 +46,7 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
     const measure::truth::Band quick(scene, 0, scene.height, {}, &culler), slow(scene, 0, scene.height);
     REQUIRE(culler.index_for_truth() != nullptr);
     Counts counts;
-    for (std::size_t i = 0; i < quick.pixels(); ++i) {
+    for (std::size_t i = 0; i < quick.pixel_count(); ++i) {
         for (const Touching touching : {Touching::hit, Touching::miss}) {
             const measure::truth::Truth &a = quick.truth(i, touching), &b = slow.truth(i, touching);
             CHECK(a.decision == b.decision);

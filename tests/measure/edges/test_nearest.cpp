@@ -42,10 +42,10 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
                (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
     };
     const auto same_count = [](const EdgeCount& x, const EdgeCount& y) {
-        return x.rays == y.rays && x.outcomes == y.outcomes;
+        return x.ray_count == y.ray_count && x.outcomes == y.outcomes;
     };
     return std::ranges::equal(a, b, [&](const EdgeFinding& x, const EdgeFinding& y) {
-        return x.rays == y.rays && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
+        return x.ray_counts == y.ray_counts && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
                std::ranges::equal(x.census, y.census, same_count);
     });
 }
@@ -55,14 +55,14 @@ bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b)
 TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by triangle", "[edges]") {
     const Scratch folder;
     const auto search = search_of(folder, "scene = \"mesh-icosphere-near\"\ndistance = [1, 65536]\nrays = 32768\n");
-    const auto primitives = scene::rays::shared_primitives(search.scene);
+    const auto primitives = scene::rays::make_shared_primitives(search.scene);
     const std::vector rows{row("triangle.undivided", "f32"), row("triangle.havel_herout", "f32"),
                            row("triangle.plucker", "f32"), row("triangle.filtered", "f32")};
     const auto found = found_by(search, rows);
     REQUIRE(found.size() == rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
         for (std::size_t k = 0; k < measure::edges::searched_outcomes.size(); ++k) {
-            CHECK(found[r].rays.at(k) <= 32768);
+            CHECK(found[r].ray_counts.at(k) <= 32768);
             const auto& nearest = found[r].nearest.at(k);
             if (!nearest) continue;
             INFO(rows[r].form->info->name << ", " << k);
@@ -101,7 +101,7 @@ TEST_CASE("an edge search finds the leak that contraction opens in a watertight 
                                   "scene = \"mesh-icosphere-near\"\ndistance = [\"0x1p-10\", \"0x1p20\"]\n"
                                   "rays = 32768\n");
     const measure::evaluate::TestedForm plain = row("triangle.woop", "f32");
-    const auto found = found_by(search, {plain, {&measure::tape::contracted_form(*plain.form), plain.format}});
+    const auto found = found_by(search, {plain, {&measure::tape::contract_form(*plain.form), plain.format}});
     CHECK_FALSE(found[0].nearest[0].has_value());
     CHECK(found[1].nearest[0].has_value());
 }
@@ -113,14 +113,14 @@ TEST_CASE("a census counts the cracks that contraction opens, at edges and not a
                                   "rays = 1\ncensus = 8000\n");
     const measure::evaluate::TestedForm plain = row("triangle.woop", "f32");
     const std::vector rows{plain,
-                           {&measure::tape::contracted_form(*plain.form), plain.format},
+                           {&measure::tape::contract_form(*plain.form), plain.format},
                            row("triangle.filtered", "f32"),
                            row("triangle.undivided", "f32")};
     const auto found = measure::edges::search_edges({.search = search, .tested_forms = rows, .census_only = true});
     for (const EdgeFinding& one : found) {
-        CHECK(one.census[0].rays + one.census[1].rays == 8000);
-        CHECK(one.census[0].rays > 4 * one.census[1].rays / 2);
-        CHECK(one.rays == decltype(one.rays){});
+        CHECK(one.census[0].ray_count + one.census[1].ray_count == 8000);
+        CHECK(one.census[0].ray_count > 4 * one.census[1].ray_count / 2);
+        CHECK(one.ray_counts == decltype(one.ray_counts){});
     }
     const auto cracks = [&](std::size_t row, std::size_t target) { return found[row].census.at(target).outcomes[0]; };
     CHECK(cracks(0, 0) + cracks(0, 1) == 0);

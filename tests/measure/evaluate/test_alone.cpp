@@ -20,7 +20,7 @@ using scene::rays::RayGroup;
 namespace {
 
 RayGroup ray_of(const RayGroup& from, std::size_t i) {
-    RayGroup one = scene::rays::group_of(from.rays[i]);
+    RayGroup one = scene::rays::make_group(from.rays[i]);
     one.rays.push_range(from.rays, i);
     one.primitives = {from.primitives[from.is_paired ? i : 0]};
     return one;
@@ -84,15 +84,15 @@ void require_sum(const FormSummary& together, const std::vector<FormSummary>& al
     sum.outcomes = {};
     sum.categories = std::vector<std::vector<std::uint64_t>>(together.categories.size());
     for (const FormSummary& one : alone) {
-        sum.rays += one.rays, sum.true_hits += one.true_hits;
+        sum.ray_count += one.ray_count, sum.true_hit_count += one.true_hit_count;
         for (std::size_t o = 0; o < sum.outcomes.size(); ++o) sum.outcomes[o] += one.outcomes[o];
         for (std::size_t m = 0; m < sum.categories.size(); ++m) {
             sum.categories[m].resize(one.categories[m].size());
             for (std::size_t c = 0; c < one.categories[m].size(); ++c) sum.categories[m][c] += one.categories[m][c];
         }
     }
-    CHECK(together.rays == sum.rays);
-    CHECK(together.true_hits == sum.true_hits);
+    CHECK(together.ray_count == sum.ray_count);
+    CHECK(together.true_hit_count == sum.true_hit_count);
     CHECK(together.outcomes == sum.outcomes);
     CHECK(together.categories == sum.categories);
     for (std::size_t m = 0; m < together.metrics.size(); ++m) {

@@ -104,7 +104,7 @@ TEST_CASE("more correct bits never need a narrower width, and a hit needs at lea
             const auto values = needed_of(scene, test::form_named(which), bits, &summary);
             CHECK(std::equal(before.begin(), before.end(), values.begin(), std::less_equal<>()));
             CHECK(std::all_of(summary.hits.begin(), summary.hits.begin() + bits, [](auto n) { return n == 0; }));
-            CHECK(summary.pixels() == 24 * 18);
+            CHECK(summary.pixel_count() == 24 * 18);
             before = values;
         }
     }

@@ -76,8 +76,8 @@ TEST_CASE("input, model and rounding error of a march sum to its total error", "
         CHECK(checkers[r].without_self < checkers[r].compared / 20);
         std::uint64_t stops = 0;
         for (const std::uint64_t n : summaries[r].categories[5]) stops += n;
-        CHECK(stops == summaries[r].rays);
-        CHECK(summaries[r].metrics[4].count() == summaries[r].rays);
+        CHECK(stops == summaries[r].ray_count);
+        CHECK(summaries[r].metrics[4].count() == summaries[r].ray_count);
     }
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measu
     const measure::answer::Answers all = measure::answer::evaluate(form, inputs);
     for (const auto& [x, y] : {std::pair{3, 4}, std::pair{8, 9}, std::pair{15, 0}}) {
         const OneRay one(scene, x, y);
-        const intersect::table::MarchLog log = measure::answer::march_log(form, *find_format("f32"), one);
+        const intersect::table::MarchLog log = measure::answer::record_march(form, *find_format("f32"), one);
         const std::size_t i = static_cast<std::size_t>(y * 16 + x);
         CHECK(log.hit.hit == (all.hit[i] != 0));
         if (log.hit.hit) CHECK(log.hit.t == all.t[i]);
@@ -140,7 +140,7 @@ TEST_CASE("explaining one ray gives the values of its pixel in the map", "[measu
         const Ray<double> ray = inputs.rays[i];
         const auto exact = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
         const OneRay again(scene, Ray<Real>{exact(ray.origin), exact(ray.direction)});
-        CHECK(measure::answer::march_log(form, *find_format("f32"), again).hit.t == log.hit.t);
+        CHECK(measure::answer::record_march(form, *find_format("f32"), again).hit.t == log.hit.t);
     }
     CHECK_THROWS_AS(OneRay(scene, 16, 0), InputError);
     CHECK_THROWS_AS(OneRay(scene, 0, -1), InputError);

@@ -22,15 +22,15 @@ namespace {
 using intersect::AtOrigin;
 
 /// Triangles that every ray of a scene truly meets, for both values of `at_origin`, found without an index.
-class MetPixelsByForm {
+class PassingPixelsByForm {
 public:
     using Met = std::map<std::size_t, Truth>;
 
-    explicit MetPixelsByForm(const scene::file::Scene& scene) {
+    explicit PassingPixelsByForm(const scene::file::Scene& scene) {
         const measure::truth::Band band(scene, 0, scene.height);
-        const std::size_t triangles = scene::rays::PrimitiveList(scene::rays::shared_primitives(scene)).size();
-        for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixels());
-        intersect::process::in_parallel(std::size_t{0}, band.pixels(), [&](std::size_t i) {
+        const std::size_t triangles = scene::rays::PrimitiveList(scene::rays::make_shared_primitives(scene)).size();
+        for (const AtOrigin word : {AtOrigin::hit, AtOrigin::miss}) met_[word].resize(band.pixel_count());
+        intersect::process::in_parallel(std::size_t{0}, band.pixel_count(), [&](std::size_t i) {
             for (std::size_t s = 0; s < triangles; ++s) {
                 const Truth closed = band.truth_of_primitive(i, s, AtOrigin::hit);
                 const Truth ahead = closed.on_surface ? band.truth_of_primitive(i, s, AtOrigin::miss) : closed;
@@ -59,7 +59,7 @@ int facing_of(const Ray<double>& ray, const Primitive<double>& triangle) {
 /// Recounts the outcomes of a band from every triangle tested alone.
 class Recount {
 public:
-    Recount(const measure::evaluate::TestedForm& row, const MetPixelsByForm& meetings)
+    Recount(const measure::evaluate::TestedForm& row, const PassingPixelsByForm& meetings)
         : row_(row), meetings_(meetings) {}
 
     void add_band(const measure::evaluate::BandResult& result) {
@@ -76,7 +76,7 @@ public:
             }
             wrong += !(result.convention == intersect::Convention(result.convention.at_origin));
             const std::size_t place = static_cast<std::size_t>(result.y0 * result.width) + i;
-            const MetPixelsByForm::Met& met = meetings_.of(place, result.convention.at_origin);
+            const PassingPixelsByForm::Met& met = meetings_.of(place, result.convention.at_origin);
             const Outcome outcome = result.outcomes[i];
             ++counts[outcome];
             const auto truly =
@@ -150,7 +150,7 @@ public:
 
 private:
     const measure::evaluate::TestedForm& row_;
-    const MetPixelsByForm& meetings_;
+    const PassingPixelsByForm& meetings_;
 };
 
 scene::file::Scene smaller(const char* name, std::initializer_list<std::pair<std::string, std::string>> changes) {
@@ -174,7 +174,7 @@ TEST_CASE("outcomes of meshes agree with triangles tested one by one", "[outcome
                                  "triangle.havel_herout", "triangle.filtered"})
             request.tested_forms.push_back(test::row(form, "f32"));
         std::vector<Recount> again;
-        const MetPixelsByForm meetings(scene);
+        const PassingPixelsByForm meetings(scene);
         for (const auto& row : request.tested_forms) again.emplace_back(row, meetings);
         const auto summaries = measure::evaluate::run_map(request, measure::evaluate::show_to_each(again));
         for (std::size_t r = 0; r < again.size(); ++r) {

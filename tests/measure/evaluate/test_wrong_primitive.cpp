@@ -52,8 +52,8 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
     CHECK(s.count(Outcome::wrong_primitive) == single.wrong);
     CHECK(s.metrics[0].count() == s.count(Outcome::agree_hit));
     CHECK(s.agreement().agreed_count == s.count(Outcome::agree_hit));
-    CHECK(s.agreement().true_hit_count == s.true_hits);
-    CHECK(s.true_hits ==
+    CHECK(s.agreement().true_hit_count == s.true_hit_count);
+    CHECK(s.true_hit_count ==
           s.count(Outcome::agree_hit) + s.count(Outcome::wrong_primitive) + s.count(Outcome::false_miss));
     // The wrong primitive is the most frequent wrong decision here, so the first fault is such a ray.
     CHECK(s.most_frequent_wrong_decision() == Outcome::wrong_primitive);
@@ -61,14 +61,14 @@ TEST_CASE("a hit of the wrong primitive is not an agreed hit, and its error is n
     CHECK(s.first_fault()->outcome == Outcome::wrong_primitive);
     CHECK(s.first_fault()->t != s.first_fault()->truth);
 
-    const auto columns = measure::evaluate::summary_columns(request.metrics);
+    const auto columns = measure::evaluate::make_summary_columns(request.metrics);
     CHECK(measure::evaluate::find_column(columns, "wrong_primitive")->value(s) == static_cast<double>(single.wrong));
     CHECK(measure::evaluate::find_column(columns, "wrong_primitive_fraction")->value(s) ==
-          static_cast<double>(single.wrong) / static_cast<double>(s.true_hits));
+          static_cast<double>(single.wrong) / static_cast<double>(s.true_hit_count));
     REQUIRE(s.count(Outcome::unresolved) == 0);
     CHECK(measure::evaluate::find_column(columns, "wrong_fraction")->value(s) ==
-          static_cast<double>(s.rays - s.count(Outcome::agree_hit) - s.count(Outcome::agree_miss)) /
-              static_cast<double>(s.rays));
+          static_cast<double>(s.ray_count - s.count(Outcome::agree_hit) - s.count(Outcome::agree_miss)) /
+              static_cast<double>(s.ray_count));
 }
 
 }  // namespace lostbits::test::test_wrong_primitive

@@ -115,7 +115,7 @@ TEST_CASE("a formula keeps its value when converted to terms and back", "[mend]"
     const Tape& before = tape_named("sphere.schoolbook", kept);
     const Terms terms(before);
     const Tape after = terms.tape(terms.outputs());
-    CHECK(tape::rounded_operations(after).size() <= tape::rounded_operations(before).size());
+    CHECK(tape::find_widenable_operations(after).size() <= tape::find_widenable_operations(before).size());
     Numbers numbers(7);
     int hits = 0;
     for (int ray = 0; ray < 40; ++ray) {

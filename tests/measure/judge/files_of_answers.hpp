@@ -32,9 +32,9 @@ inline void add_answers(scene::test::Columns& columns, const measure::answer::An
 
 /// Checks for the same numbers everywhere in two summaries.
 inline void require_same(const measure::evaluate::FormSummary& a, const measure::evaluate::FormSummary& b) {
-    CHECK(a.rays == b.rays);
+    CHECK(a.ray_count == b.ray_count);
     CHECK(a.outcomes == b.outcomes);
-    CHECK(a.true_hits == b.true_hits);
+    CHECK(a.true_hit_count == b.true_hit_count);
     REQUIRE(a.metrics.size() == b.metrics.size());
     const auto same = [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); };
     for (std::size_t m = 0; m < a.metrics.size(); ++m) {

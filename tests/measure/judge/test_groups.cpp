@@ -66,14 +66,14 @@ TEST_CASE("the summary of a group is that of its rays alone") {
 TEST_CASE("groups are sorted by number, and groups named by words follow") {
     evaluate::Groups groups, more;
     for (const char* value : {"10", "glass", "9", "-2.5", "1e3", "", "9"}) groups.add(value, 1, {});
-    groups.at("9").summaries[0].rays = 4;
+    groups.at("9").summaries[0].ray_count = 4;
     for (const char* value : {"9", "100"}) more.add(value, 1, {});
-    more.at("9").summaries[0].rays = 3;
+    more.at("9").summaries[0].ray_count = 3;
     groups.append(std::move(more));
     std::string all;
     for (const evaluate::Group& group : groups.all()) all += group.value + ";";
     CHECK(all == "-2.5;9;10;100;1e3;;glass;");
-    CHECK(groups.at("9").summaries[0].rays == 7);
+    CHECK(groups.at("9").summaries[0].ray_count == 7);
 }
 
 }  // namespace test_groups

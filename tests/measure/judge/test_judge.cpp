@@ -30,7 +30,7 @@ namespace {
 /// Judges the answers of these forms as a file, and compares with a map of the scene.
 void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*> forms, const char* format) {
     const auto scene = test::scene_named(scene_id, std::pair{48, 40});
-    const std::vector<Primitive<double>> primitives = scene::rays::shared_primitives(scene);
+    const std::vector<Primitive<double>> primitives = scene::rays::make_shared_primitives(scene);
     for (const char* name : forms) {
         INFO(scene_id << ": " << name);
         const evaluate::TestedForm row = test::row(name, format);
@@ -50,16 +50,16 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
             file.path(),
             {.columns = columns.joined_names(":f64"), .format = row.format, .primitive = primitives.front().shape});
         const judge::FileForm form("a", primitives.front().shape, *row.form->info);
-        const JudgeResult result =
-            judge::run_judge(*ray_file,
-                             {.primitives = scene::rays::stored_beside_mesh(scene, row.format.parameters),
-                              .mesh = scene::rays::stored_mesh(scene, row.format.parameters),
-                              .march = march,
-                              .tested_forms = {{&form.form(), row.format}, row},
-                              .file_answers_form = &form.form(),
-                              .metrics = all_metrics,
-                              .picture = std::pair{scene.width, scene.height}},
-                             {});
+        const JudgeResult result = judge::run_judge(
+            *ray_file,
+            {.primitives = scene::rays::make_stored_primitives_beside_mesh(scene, row.format.parameters),
+             .mesh = scene::rays::make_stored_mesh(scene, row.format.parameters),
+             .march = march,
+             .tested_forms = {{&form.form(), row.format}, row},
+             .file_answers_form = &form.form(),
+             .metrics = all_metrics,
+             .picture = std::pair{scene.width, scene.height}},
+            {});
         CHECK(result.rounded_count == 0);
         // A file does not contain what its intersector claims about the other triangles of a mesh.
         if (!scene.mesh) require_same(result.summaries[0], expected[0]);
@@ -205,7 +205,7 @@ TEST_CASE("a ray with its own primitive has the truth and the answers of that ra
                 INFO(row.form->info->name << " in " << format);
                 const auto together = answer::evaluate(*row.form, inputs);
                 for (std::size_t i = 0; i < few; i += 1 + i / 20) {
-                    scene::rays::RayGroup one = scene::rays::group_of(group.rays[i]);
+                    scene::rays::RayGroup one = scene::rays::make_group(group.rays[i]);
                     if (!group.rays.tmax.empty()) one.rays.tmax = {group.rays.tmax[i]};
                     one.primitives = {group.primitives[i]};
                     const truth::Band alone(one);
@@ -262,8 +262,8 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
         *ray_file,
         {.tested_forms = {{&form.form(), row.format}, row}, .file_answers_form = &form.form(), .metrics = all_metrics},
         kept_in(worst));
-    CHECK(result.rays == group.rays.size());
-    CHECK(result.nonzero_answer_count == result.float_answers);
+    CHECK(result.ray_count == group.rays.size());
+    CHECK(result.nonzero_answer_count == result.float_answer_count);
     require_same(result.summaries[1], result.summaries[0]);
     const auto noted = worst.all();
     // One by one.
@@ -316,7 +316,7 @@ TEST_CASE("decisions without a t have outcomes and no errors") {
                                                           .metrics = all_metrics})
                                  .summaries.front());
     CHECK(s.count(answer::Outcome::false_hit) + s.count(answer::Outcome::false_miss) == wrong);
-    CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hits);
+    CHECK(s.count(answer::Outcome::agree_hit) + s.count(answer::Outcome::false_miss) == s.true_hit_count);
     CHECK(s.count(answer::Outcome::not_a_number) == 0);
     for (const metric::Distribution& d : s.metrics) CHECK(d.count() == 0);
     CHECK(s.worst.x == -1);

@@ -47,7 +47,7 @@ void compare_derivatives() {
         if (!hit.hit) continue;
         Tape tape;
         form.record(*find_format("f32"), s.ray, s.target(form), HUGE_VAL, tape);
-        const std::vector<double> found = measure::stability::forward_derivatives(tape);
+        const std::vector<double> found = measure::stability::compute_forward_derivatives(tape);
         REQUIRE(found.size() == 11);  // where the ray ends is an input, too
         for (std::size_t x = 0; x < 10; ++x) REQUIRE(found[x] == static_cast<double>(hit.t.derivative(x)));
         CHECK(found[10] == 0);

@@ -14,8 +14,8 @@ using measure::answer::Outcome;
 using measure::attribution::attribute;
 using measure::attribution::Attribution;
 using measure::attribution::RayAttribution;
+using measure::stability::compute_statistical_bound;
 using measure::stability::RandomRuns;
-using measure::stability::statistical_bound;
 
 namespace {
 
@@ -101,7 +101,8 @@ TEST_CASE("an error is at most the root of n times what n independent errors wou
             if (kind_of(tape[k].op) != OperationKind::rounded && tape[k].op != TapeOp::convert) return;
             ++n;
         }
-        CHECK(std::fabs(found.contribution_sum) <= std::sqrt(n) * statistical_bound(tape, found) * (1 + 0x1p-20));
+        CHECK(std::fabs(found.contribution_sum) <=
+              std::sqrt(n) * compute_statistical_bound(tape, found) * (1 + 0x1p-20));
         ++seen;
     };
     on_recorded_rays({{"f32", "f64", "p12"}, 6, 4, 2027, intersect::table::catalogue()}, see);

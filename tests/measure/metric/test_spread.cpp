@@ -17,7 +17,7 @@ const double none = std::nan("");
 check::ClaimResult result_of(double own, std::vector<double> further) {
     check::ClaimResult r;
     r.measured = own;
-    r.samples = 1024;
+    r.sample_count = 1024;
     r.further_measured = std::move(further);
     return r;
 }

@@ -139,13 +139,13 @@ TEST_CASE("offsets: the far wall of a torus is a true hit, and excluding the tor
         CHECK(m.by("offset.bound", Side::outside)[Fault::self_hit] == 0);
         CHECK(m.by("offset.bound", Side::outside)[Fault::lost_occluder] == 0);
         CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
-        CHECK(m.by("offset.exclude", Side::outside).bad_rays ==
+        CHECK(m.by("offset.exclude", Side::outside).bad_ray_count ==
               m.by("offset.exclude", Side::outside)[Fault::lost_occluder]);
-        CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.side_of_point(Side::inside).rays);
+        CHECK(m.by("offset.exclude", Side::inside)[Fault::lost_exit] == m.side_of_point(Side::inside).ray_count);
     }
     // A point 2^-9 within the ring: all rays hit the ring that they leave, except those that are past it.
     const MeasuredPoint within("torus.closest_approach", "f64", ring, {{0, 0, 0}, {1, 0, 0}}, 99 + 0x1p-9);
-    CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.side_of_point(Side::outside).rays);
+    CHECK(within.by("offset.none", Side::outside)[Fault::self_hit] == within.side_of_point(Side::outside).ray_count);
     CHECK(within.side_of_point(Side::outside).safe_offset == Approx(0x1p-9).epsilon(1e-6));
 }
 
@@ -155,16 +155,16 @@ TEST_CASE("offsets: the next wall is a true hit inside a tube, and rays leave on
         const MeasuredPoint m("tube.framed", format, pipe, {{0, 0, 0}, {1, 0, 0}}, 1);
         CHECK(m.side_of_point(Side::outside).safe_offset < 1e-4);
         CHECK(m.side_of_point(Side::inside).safe_offset < 1e-4);
-        CHECK(m.by("offset.bound", Side::outside).bad_rays == 0);
-        CHECK(m.by("offset.bound", Side::inside).bad_rays == 0);
+        CHECK(m.by("offset.bound", Side::outside).bad_ray_count == 0);
+        CHECK(m.by("offset.bound", Side::inside).bad_ray_count == 0);
         CHECK(m.by("offset.exclude", Side::outside)[Fault::lost_occluder] > 0);
-        CHECK(m.by("offset.exclude", Side::inside).bad_rays == 0);  // out of the tube, nothing of it lies ahead
+        CHECK(m.by("offset.exclude", Side::inside).bad_ray_count == 0);  // out of the tube, nothing of it lies ahead
     }
     // A pipe that is thinner than the move across it: the new origin is past the other wall.
     const Primitive<double> hair(Tube<double>{{0, 0, -4}, {0, 0, 4}, 0x1p-12});
     const MeasuredPoint past("tube.framed", "f64", hair, {{0, 0, 0}, {1, 0, 0}}, 0x1p-12);
     CHECK(past.by("offset.epsilon", Side::outside)[Fault::lost_occluder] > 0);
-    CHECK(past.by("offset.bound", Side::outside).bad_rays == 0);
+    CHECK(past.by("offset.bound", Side::outside).bad_ray_count == 0);
 }
 
 TEST_CASE("offsets: a far wall hit only by the moved ray is not a self-hit", "[measure][offset]") {
@@ -225,9 +225,9 @@ TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it
             const MeasuredPoint m(form, "f32", primitive, down, t);
             for (const Side side : both_sides) {
                 CAPTURE(form, t, name_of(side));
-                CHECK(m.by("offset.exclude", side).bad_rays == 0);
+                CHECK(m.by("offset.exclude", side).bad_ray_count == 0);
                 CHECK(m.by("offset.none", side)[Fault::lost_exit] == 0);
-                CHECK(m.by("offset.epsilon", side).bad_rays == 0);
+                CHECK(m.by("offset.epsilon", side).bad_ray_count == 0);
                 // A point on the other side must move as far as it is off, and half a last place.
                 const bool is_off = (t < 3) == (side == Side::inside) && t != 3;
                 CHECK((m.by("offset.none", side)[Fault::self_hit] > 0) == is_off);

@@ -108,8 +108,8 @@ TEST_CASE("a number with a given index has that index in every format", "[measur
 }
 
 TEST_CASE("bisection finds the least float that is enough, or reports that none is", "[measure][offset]") {
+    using measure::offset::find_smallest_enough;
     using measure::offset::OffsetVerdict;
-    using measure::offset::smallest_enough;
     Seeded random(11);
     for (const FloatFormat& format : {binary32, binary64, bfloat16}) {
         for (int k = 0; k < 500; ++k) {
@@ -120,7 +120,7 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
                        : e > most ? OffsetVerdict::too_much
                                   : OffsetVerdict::enough;
             };
-            const double found = smallest_enough(format, start, 64, verdict_of);
+            const double found = find_smallest_enough(format, start, 64, verdict_of);
             CAPTURE(least, most, start, found, format.precision);
             const std::int64_t place = measure::truth::ordinal(
                 measure::truth::number_at(measure::truth::ordinal(rounding::to_format(least, 0, format), format),
@@ -132,9 +132,9 @@ TEST_CASE("bisection finds the least float that is enough, or reports that none 
             else CHECK(found == expected);
         }
         const auto never = [](double) { return OffsetVerdict::too_little; };
-        CHECK(std::isinf(smallest_enough(format, 0x1p-20, 64, never)));
+        CHECK(std::isinf(find_smallest_enough(format, 0x1p-20, 64, never)));
         const auto always = [](double) { return OffsetVerdict::enough; };
-        CHECK(smallest_enough(format, 0x1p-20, 64, always) == 0);
+        CHECK(find_smallest_enough(format, 0x1p-20, 64, always) == 0);
     }
 }
 

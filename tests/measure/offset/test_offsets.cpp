@@ -88,7 +88,7 @@ TEST_CASE("the smallest safe offset is safe and the float below it is not, also 
                         }
                         // A quiet offset is safe, and a point that is safe from 0 on needs no offset.
                         if (s.quiet_offset == 0) CHECK(s.safe_offset == 0);
-                        CHECK(s.rays >= 17);
+                        CHECK(s.ray_count >= 17);
                     }
                 }
             }
@@ -138,22 +138,22 @@ TEST_CASE("the strategies reported as cheapest are safe, and those left out are 
     const OffsetStudy request{.scene = scene, .tested_forms = {of}, .strategies = all_strategies()};
     const auto summaries = measure::study::run_study(request);
     const OffsetSummary& summary = summaries.front();
-    const auto both = safe_strategies(summary, request.strategies, Shape::sphere);
+    const auto both = find_safe_strategies(summary, request.strategies, Shape::sphere);
     REQUIRE_FALSE(both.empty());
-    CHECK(std::ranges::is_sorted(both, {}, &SafeStrategy::operations));
+    CHECK(std::ranges::is_sorted(both, {}, &SafeStrategy::operation_count));
     std::set<const Strategy*> safe;
     for (const SafeStrategy& s : both) safe.insert(s.strategy);
     for (std::size_t k = 0; k < request.strategies.size(); ++k) {
-        const bool right = summary.side_summary(Side::outside).strategies[k].bad_rays == 0 &&
-                           summary.side_summary(Side::inside).strategies[k].bad_rays == 0;
+        const bool right = summary.side_summary(Side::outside).strategies[k].bad_ray_count == 0 &&
+                           summary.side_summary(Side::inside).strategies[k].bad_ray_count == 0;
         INFO(request.strategies[k]->name);
         CHECK(right == safe.contains(request.strategies[k]));
     }
     // If no ray goes into the primitive, it is enough to leave the primitive out.
-    const auto out = safe_strategies(summary, request.strategies, Shape::sphere, std::array{Side::outside});
+    const auto out = find_safe_strategies(summary, request.strategies, Shape::sphere, std::array{Side::outside});
     CHECK(out.front().strategy->name == "offset.exclude");
-    CHECK(out.front().operations == 0);
-    CHECK(safe_strategies(OffsetSummary{}, {}, Shape::sphere).empty());
+    CHECK(out.front().operation_count == 0);
+    CHECK(find_safe_strategies(OffsetSummary{}, {}, Shape::sphere).empty());
 }
 
 TEST_CASE("a scene moved along an axis is unchanged at 1 and keeps its picture", "[measure][offset]") {

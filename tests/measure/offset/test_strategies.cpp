@@ -20,7 +20,7 @@ TEST_CASE("strategies: none moves nothing, exclude skips its own primitive, cons
         CHECK(strategy.name.starts_with("offset."));
         CHECK(names.insert(strategy.name).second);
         CHECK_FALSE(strategy.source.empty());
-        CHECK((strategy.operations(Shape::sphere) == 0) == strategy.keeps_point);
+        CHECK((strategy.operation_count(Shape::sphere) == 0) == strategy.keeps_point);
     }
     const auto rule = [](std::string_view name) { return *std::ranges::find(strategies(), name, &Strategy::name); };
     StrategyInput<float> l{.ray = {{0, 0, 9}, {0, 0, -1}},

@@ -112,7 +112,7 @@ TEST_CASE("the certified picture equals plain formulas in 256 bits in every chan
         for (const RenderSummary& summary : run.summaries) {
             CHECK(summary.unresolved_count() == 0);
             CHECK(summary.colour_error.quantile(1) < 1e-9);
-            CHECK(summary.flipped_shadows() == 0);
+            CHECK(summary.flipped_shadow_count() == 0);
         }
     }
     CHECK(beyond > 50);

@@ -30,7 +30,7 @@ Scene scene_named(const char* name, int size) { return test::scene_named(name, s
 
 RepairRequest request_of(const Scene& scene, const char* form, double bits) {
     RepairRequest request{.scene = &scene, .tested_form = test::row(form, "f32")};
-    request.requirement = {.bits = bits, .wrong = 0, .quantile = 1};
+    request.requirement = {.bits = bits, .max_wrong_fraction = 0, .quantile = 1};
     return request;
 }
 
@@ -48,11 +48,11 @@ struct Search {
     const RepairRequest& request;
     QualityMeasurer measurer;
     Tape tape;
-    std::vector<NodeId> all = tape::rounded_operations(tape);
+    std::vector<NodeId> all = tape::find_widenable_operations(tape);
 };
 
 bool same(const FormQuality& a, const FormQuality& b) {
-    return a.wrong == b.wrong && a.hits == b.hits && a.rays == b.rays &&
+    return a.wrong_count == b.wrong_count && a.true_hit_count == b.true_hit_count && a.ray_count == b.ray_count &&
            (a.kept_bits == b.kept_bits || (std::isnan(a.kept_bits) && std::isnan(b.kept_bits)));
 }
 
@@ -118,10 +118,10 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
         QualityMeasurer measurer(request, scene);
         const auto quality = measurer.measure_quality(tapes);
         if (is_far) {
-            CHECK(quality[1].wrong > 10 * quality[0].wrong);
-            CHECK(quality[2].wrong > 10 * quality[0].wrong);
+            CHECK(quality[1].wrong_count > 10 * quality[0].wrong_count);
+            CHECK(quality[2].wrong_count > 10 * quality[0].wrong_count);
         } else {
-            CHECK(quality[1].wrong < quality[0].wrong);
+            CHECK(quality[1].wrong_count < quality[0].wrong_count);
         }
     }
 }
@@ -145,7 +145,7 @@ TEST_CASE("a form that meets the requirement has an empty set, one that double d
     REQUIRE(none.obstruction);
     CHECK_FALSE(none.obstruction->exact.meets(hard.requirement));
     REQUIRE(none.obstruction->with_unit_directions);
-    CHECK(none.obstruction->with_unit_directions->wrong < none.obstruction->exact.wrong);
+    CHECK(none.obstruction->with_unit_directions->wrong_count < none.obstruction->exact.wrong_count);
     CHECK(none.obstruction->largest_length_error > 0);
     CHECK(none.obstruction->largest_length_error < 0x1p-22);
 }
@@ -171,7 +171,7 @@ TEST_CASE("the matrix of each probe times its transpose is the square of the div
 TEST_CASE("operations that exchanged axes map to one another are in one group", "[mend]") {
     const auto groups_of = [](const char* form, const Primitive<double>& like) {
         const Tape tape = tape::record_tape(test::form_named(form), *find_format("f32"));
-        const auto all = tape::rounded_operations(tape);
+        const auto all = tape::find_widenable_operations(tape);
         const auto groups = find_exchanged_groups(tape, all, like);
         std::size_t members = 0;
         for (const auto& group : groups) members += group.size();
@@ -197,12 +197,12 @@ TEST_CASE("exchanged axes group the operations of forms with transforms, stored 
         const Tape tape = tape::record_tape(form, *find_format("f32"), inverse);
         std::vector<NodeId> members;
         std::size_t of_three = 0;
-        for (const auto& group : find_exchanged_groups(tape, tape::rounded_operations(tape), like)) {
+        for (const auto& group : find_exchanged_groups(tape, tape::find_widenable_operations(tape), like)) {
             members.insert(members.end(), group.begin(), group.end());
             of_three += group.size() % 3 == 0;
         }
         std::ranges::sort(members);
-        CHECK(members == tape::rounded_operations(tape));
+        CHECK(members == tape::find_widenable_operations(tape));
         // A stored matrix is inverted by a determinant along its first row, which no exchange keeps.
         if (inverse) CHECK(of_three >= 6);
     }
@@ -226,7 +226,7 @@ TEST_CASE("a set that helps one axis is made symmetric in double too, and with i
         if (!m.symmetric) continue;
         CHECK(m.symmetric->operations.size() % 3 == 0);
         CHECK(m.symmetric->quality.meets(request.requirement));
-        for (const FormQuality& quality : m.symmetric->probed) CHECK(quality.meets(request.requirement));
+        for (const FormQuality& quality : m.symmetric->probe_qualities) CHECK(quality.meets(request.requirement));
     }
 }
 
@@ -243,7 +243,7 @@ TEST_CASE("a set that helps one axis is measured on others, and made symmetric",
     CHECK(m.symmetric->is_smallest);
     CHECK(m.symmetric->operations.size() % 3 == 0);
     CHECK(meets(m.symmetric->quality));
-    for (const FormQuality& quality : m.symmetric->probed) CHECK(meets(quality));
+    for (const FormQuality& quality : m.symmetric->probe_qualities) CHECK(meets(quality));
     const output::repair::RepairSummary result{
         .request = request, .repair = m, .catalogue = {}, .catalogue_quality = {}};
     const auto proposals = list_proposals(result);
@@ -260,7 +260,7 @@ TEST_CASE("pairs of floats have the same effect as double here", "[mend]") {
     const RepairResult m = repair_form(request, 1);
     CHECK(m.wider == tape::two_floats);
     CHECK(m.all_wider_quality.kept_bits > 23);
-    CHECK((m.held_out_scene.width != scene.width && m.set_held_out_quality.rays != m.own_quality.rays));
+    CHECK((m.held_out_scene.width != scene.width && m.set_held_out_quality.ray_count != m.own_quality.ray_count));
     CHECK(m.wider_set.value().quality.meets(request.requirement));
 }
 
@@ -289,7 +289,8 @@ TEST_CASE("with transforms the operations that lead into the space of the primit
         const FormQuality own = search.with({});
         CHECK(own.kept_bits < 14);
         CHECK(search.smallest(0).quality.meets(request.requirement));
-        CHECK(search.all.size() > tape::rounded_operations(tape::record_tape(form, request.tested_form.format)).size());
+        CHECK(search.all.size() >
+              tape::find_widenable_operations(tape::record_tape(form, request.tested_form.format)).size());
         request.tested_form.form =
             &intersect::transform::transformed_form(test::transform_method_named("relative"), form);
         const FormQuality relative = QualityMeasurer(request, scene).measure_quality({record_tape(request)}).front();

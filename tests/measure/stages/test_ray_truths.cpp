@@ -96,7 +96,7 @@ TEST_CASE("truths of rays among spheres and boxes equal those of each ray alone"
     measure::truth::RayTruths found;
     const scene::rays::PrimitiveList<double> list(primitives);
     const StageCounts counts = find_truths(measure::truth::RaysAndPrimitives<double>{rays, list}, {}, found);
-    CHECK(counts.rays() == problems.size() * primitives.size());
+    CHECK(counts.ray_count() == problems.size() * primitives.size());
     std::size_t different = 0, hits = 0;
     for (std::size_t i = 0; i < problems.size(); ++i) {
         const Truth alone =

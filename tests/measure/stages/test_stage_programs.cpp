@@ -27,9 +27,9 @@ double drawn(std::mt19937_64& from, double low, double high) {
 
 /// Rays at a primitive near the origin, from everywhere: some begin inside, some pass by, some run along an axis. Every
 /// fifth ray points away, and so does the whole second block, after which a program skips steps that no ray needs.
-std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
+std::vector<std::array<double, stage_input_count>> problems_at(Shape shape) {
     std::mt19937_64 from(23);
-    std::vector<std::array<double, stage_inputs>> all(rays);
+    std::vector<std::array<double, stage_input_count>> all(rays);
     for (std::size_t i = 0; i < rays; ++i) {
         auto& p = all[i];
         const auto spread = [&](double size) { return drawn(from, -size, size); };
@@ -64,8 +64,8 @@ std::vector<std::array<double, stage_inputs>> problems_at(Shape shape) {
 template <class S>
 class ColumnsOfProblems {
 public:
-    ColumnsOfProblems(std::span<const std::array<double, stage_inputs>> problems, bool one_primitive) {
-        for (std::size_t k = 0; k < stage_inputs; ++k)
+    ColumnsOfProblems(std::span<const std::array<double, stage_input_count>> problems, bool one_primitive) {
+        for (std::size_t k = 0; k < stage_input_count; ++k)
             for (const auto& p : problems)
                 columns_[k].push_back(static_cast<S>(is_of_primitive(k) && one_primitive ? problems.front()[k] : p[k]));
         one_primitive_ = one_primitive;
@@ -74,7 +74,7 @@ public:
         RawFindings out{settled.data(), hit.data(), {}, {}};
         if (key.wants_t) out.t = {t[0].data(), t[1].data(), t[2].data()};
         if (key.wants_distance) out.distance = {distance[0].data(), distance[1].data(), distance[2].data()};
-        auto p = raw_problems<S>(rays, out);
+        auto p = make_raw_problems<S>(rays, out);
         const auto column = [this](std::size_t k) {
             return RawColumn<S>{columns_[k].data(),
                                 is_of_primitive(k) && one_primitive_ ? std::size_t{0} : std::size_t{1}};
@@ -98,7 +98,7 @@ private:
     static bool is_of_primitive(std::size_t k) {
         return (k >= input_of_primitive && k < input_of_ray_low) || (k >= input_of_primitive_low && k < input_of_tmin);
     }
-    std::array<std::vector<S>, stage_inputs> columns_;
+    std::array<std::vector<S>, stage_input_count> columns_;
     bool one_primitive_ = false;
 };
 
@@ -111,7 +111,7 @@ struct Counts {
 /// The stage of a shape in columns of S, against its formula over words of W.
 template <template <class> class Of, class S, class W>
 Counts compare(const StageKey& key, bool one_primitive, const ShapeStage<S>& stage,
-               std::span<const std::array<double, stage_inputs>> problems) {
+               std::span<const std::array<double, stage_input_count>> problems) {
     ColumnsOfProblems<S> columns(problems, one_primitive);
     stage(columns.raw(key));
     Counts counts;

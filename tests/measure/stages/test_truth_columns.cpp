@@ -107,7 +107,7 @@ TEST_CASE("truth columns: they agree with single rays, however hard the ray") {
                 find_truth_columns(Columns<double>(problems).get(), {.length = length}, found);
                 CHECK(found.size() == problems.size());
                 CHECK(count_different(problems, found, length, true) == 0);
-                CHECK(found.stages.rays() == problems.size());
+                CHECK(found.stages.ray_count() == problems.size());
                 CHECK(found.stages.double_double > problems.size() / 4);
                 if (storage == binary64) continue;
                 find_truth_columns(Columns<float>(problems).get(), {.length = length}, found);
@@ -115,7 +115,7 @@ TEST_CASE("truth columns: they agree with single rays, however hard the ray") {
                 find_truth_columns(Columns<float>(problems).get(),
                                    {.length = length, .tightness = Tightness::ulps_of_binary32}, found);
                 CHECK(count_different(problems, found, length, false) == 0);
-                CHECK(found.stages.rays() == problems.size());
+                CHECK(found.stages.ray_count() == problems.size());
                 CHECK(found.stages.binary64 > problems.size() / 4);
                 CHECK(std::ranges::all_of(problems, [&, i = std::size_t{0}](const Problem&) mutable {
                     const double size = std::fabs(found.hi[i]), bound = found.bound[i++];

@@ -53,7 +53,7 @@ FormSummary summary_of(std::initializer_list<std::pair<Outcome, std::uint64_t>> 
     FormSummary s;
     for (const auto& [outcome, n] : counts) {
         s.outcomes[static_cast<std::size_t>(outcome)] = n;
-        s.rays += n;
+        s.ray_count += n;
     }
     s.metrics = std::vector<measure::metric::Distribution>(2);
     if (!std::isnan(excess)) s.metrics[1].add(excess);
@@ -97,7 +97,7 @@ TEST_CASE("verdicts agree with those worked out by hand") {
         CHECK(measure::sweep::verdict_of(cases[i][0], request.metrics, 3) == expected[i].in_f32);
         CHECK(same(cases[i][0].metrics[0].quantile(1), expected[i].bits));
         CHECK(measure::sweep::verdict_of(cases[i][1], request.metrics, 3) == expected[i].in_f64);
-        CHECK(cases[i][0].rays == 1);
+        CHECK(cases[i][0].ray_count == 1);
         // One row of one case is the same as this row among all rows.
         const FormSummary alone = measure::sweep::run_cases_together(request, 0, {i});
         CHECK(alone.outcomes == cases[i][0].outcomes);
@@ -192,12 +192,12 @@ TEST_CASE("every file of extremes runs with every form and has a proved truth") 
                 const Verdict v = measure::sweep::verdict_of(s, request.metrics, file.right_within_bits);
                 CHECK(v != Verdict::unresolved);
                 any_right |= v == Verdict::right || v == Verdict::within_inputs;
-                CHECK(s.rays > 0);
-                CHECK(std::accumulate(s.outcomes.begin(), s.outcomes.end(), std::uint64_t{0}) == s.rays);
+                CHECK(s.ray_count > 0);
+                CHECK(std::accumulate(s.outcomes.begin(), s.outcomes.end(), std::uint64_t{0}) == s.ray_count);
                 if (file.id != "not-numbers") continue;
-                CHECK(s.true_hits == 0);
+                CHECK(s.true_hit_count == 0);
                 CHECK(s.count(Outcome::agree_miss) + s.count(Outcome::false_hit) + s.count(Outcome::not_a_number) ==
-                      s.rays);
+                      s.ray_count);
                 invented += s.count(Outcome::false_hit);
             }
             if (file.accepts(Shape::sphere) && file.id != "scale") CHECK(any_right);

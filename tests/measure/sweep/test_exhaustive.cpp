@@ -116,7 +116,7 @@ Comparison compare(const std::string& text, const std::vector<TestedForm>& teste
                 const sweep::FloatTally& packs = state.tallies[request.tally_index(b, r, k)];
                 CAPTURE(tested_forms[k].form->info->name, file.rays[r].name, binades[b].binade.name());
                 check_same(packs, alone);
-                compared.floats += alone.floats();
+                compared.floats += alone.float_count();
                 compared.wrong += alone.wrong_count() > 0;
             }
         }
@@ -183,8 +183,9 @@ TEST_CASE("all bit patterns: every float is counted, and infinities, NaNs and ze
     const ExhaustiveFile file(written.path(), LOSTBITS_DATA_DIR);
     const auto binades = sweep::split_into_binades(file);
     CHECK(binades.size() == 516);
-    CHECK(std::accumulate(binades.begin(), binades.end(), std::uint64_t{0},
-                          [](std::uint64_t sum, const auto& b) { return sum + b.floats.size(); }) == file.floats());
+    CHECK(std::accumulate(binades.begin(), binades.end(), std::uint64_t{0}, [](std::uint64_t sum, const auto& b) {
+              return sum + b.floats.size();
+          }) == file.float_count());
     const auto request = request_of(file, {row("box.signs", "f32"), row("box.baseline", "f32")});
     for (const float x : {0.0F, -0.0F, 1e-45F, HUGE_VALF, -HUGE_VALF, std::nanf("")}) {
         for (std::size_t k = 0; k < request.tested_forms.size(); ++k) {
@@ -213,7 +214,7 @@ TEST_CASE("the padding that suffices for every float is that of the slabs, also 
         file.rays = {file.rays[ray]};
         const auto request = request_of(file, {{&form, *find_format("f32")}});
         const auto found = sweep::collect_findings(request, run(request)).front().tally;
-        return sweep::padding_max(request.tested_forms[0], found);
+        return sweep::max_padding(request.tested_forms[0], found);
     };
     const auto form = [](std::string_view name) -> const intersect::table::Intersector& {
         return *std::ranges::find(intersect::table::catalogue(), name, [](const auto& row) { return row.info->name; });

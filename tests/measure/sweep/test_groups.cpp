@@ -48,8 +48,8 @@ void check_same(const WorstRay& a, const WorstRay& b) {
 
 /// Compares a summary of all views with the sum of one summary for each view.
 void check_same(const FormSummary& together, const FormSummary& summed) {
-    CHECK(together.rays == summed.rays);
-    CHECK(together.true_hits == summed.true_hits);
+    CHECK(together.ray_count == summed.ray_count);
+    CHECK(together.true_hit_count == summed.true_hit_count);
     CHECK(together.outcomes == summed.outcomes);
     CHECK(together.categories == summed.categories);
     for (std::size_t m = 0; m < metrics.size(); ++m) {
@@ -105,7 +105,7 @@ TEST_CASE("rays of many views measured together agree with one view at a time", 
                 const FormSummary together =
                     std::move(measure::evaluate::measure_groups(groups, {row}, metrics, {}).front());
                 check_same(together, one_at_a_time(groups, row));
-                CHECK(together.views == groups.size());
+                CHECK(together.view_count == groups.size());
                 worst += together.worst.group > 0;
                 faults += together.first_fault() != nullptr;
                 ++compared;

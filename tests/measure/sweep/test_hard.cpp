@@ -49,7 +49,7 @@ TEST_CASE("every hard ray has the measured value in its name") {
                 CHECK(fmt::format("{:.6g}", radii) == part[4].str());
             }
             const measure::evaluate::FormSummary s = measure::sweep::run_cases_together(request, 0, {i});
-            REQUIRE(s.rays == 1);
+            REQUIRE(s.ray_count == 1);
             if (is_value) {
                 ++values;
                 CHECK(s.count(measure::answer::Outcome::agree_hit) == 1);

@@ -46,7 +46,7 @@ Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm
 
 /// Compares every form's counts at 1025 floats with its triangles tested one by one; returns the counts of each form.
 std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
-    REQUIRE(file.floats() == 1025);
+    REQUIRE(file.float_count() == 1025);
     sweep::ExhaustiveRequest request{.sweep = file};
     for (const char* form : {"triangle.undivided", "triangle.havel_herout", "triangle.woop", "triangle.filtered"})
         request.tested_forms.push_back(row(form, "f32"));
@@ -56,7 +56,7 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
     for (const sweep::RangeFinding& finding : sweep::collect_findings(request, state)) {
         const sweep::FloatTally& tally = finding.tally;
         CAPTURE(request.tested_forms[finding.row].form->info->name);
-        CHECK(tally.floats() == 1025);
+        CHECK(tally.float_count() == 1025);
         std::uint64_t odd = 0;
         std::map<Outcome, std::uint64_t> counts;
         for (std::uint64_t i = 0; i < finding.floats.size(); ++i) {

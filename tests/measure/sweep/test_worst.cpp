@@ -43,7 +43,7 @@ bool equal(const std::optional<WorstResult>& a, const std::optional<WorstResult>
     if (a.has_value() != b.has_value()) return false;
     return !a || (a->outcome == b->outcome && a->value == b->value && a->ray.origin == b->ray.origin &&
                   a->ray.direction == b->ray.direction && a->primitive.numbers == b->primitive.numbers &&
-                  (a->t == b->t || std::isnan(a->t)) && a->evaluations == b->evaluations);
+                  (a->t == b->t || std::isnan(a->t)) && a->evaluation_count == b->evaluation_count);
 }
 
 bool is_of(double x, const FloatFormat& format) { return rounding::to_format(x, 0, format) == x; }
@@ -85,8 +85,8 @@ TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and dep
         CHECK(search.contains(w.ray, w.primitive));
         for (int k = 0; k < 3; ++k) CHECK((is_of(w.ray.origin[k], f) && is_of(w.ray.direction[k], f)));
         for (const double x : w.primitive.shape_numbers()) CHECK(is_of(x, f));
-        CHECK(w.evaluations <= 2 * 12 * 32);
-        if (w.outcome == Outcome::agree_hit) CHECK(w.evaluations == 2 * 12 * 32);
+        CHECK(w.evaluation_count <= 2 * 12 * 32);
+        if (w.outcome == Outcome::agree_hit) CHECK(w.evaluation_count == 2 * 12 * 32);
     }
     const TextFile other(
         search_text("impact_radii = [0, 0.9]\ndistance_radii = [1.25, 8]\nstarts = 2\ngenerations = 12\nseed = 2\n"));
@@ -96,8 +96,8 @@ TEST_CASE("a search keeps to its ranges and formats, ignores other rows, and dep
 
 TEST_CASE("a search at edges separates slabs further than random rays do") {
     SearchFile search(folder / "padding.toml");
-    search.starts = 64;
-    search.generations = 96;
+    search.start_count = 64;
+    search.generation_count = 96;
     const WorstRequest request{.search = search,
                                .tested_forms = {row("box.filtered", "f32"), row("box.filtered", "f64")},
                                .metrics = metrics_of(search)};
@@ -111,20 +111,20 @@ TEST_CASE("a search at edges separates slabs further than random rays do") {
 
 TEST_CASE("a search for a minimum reports the metric itself and goes on after a wrong decision") {
     SearchFile search(folder / "bound-ratio.toml");
-    search.starts = 8;
-    search.generations = 16;
+    search.start_count = 8;
+    search.generation_count = 16;
     const auto found = worst_of(search, row("sphere.embree_point", "f32"));
     REQUIRE(found);
     CHECK(found->outcome == Outcome::agree_hit);
     CHECK(found->value >= 1);
     CHECK(found->value < 8);
-    CHECK(found->evaluations == 8 * 16 * 32);
+    CHECK(found->evaluation_count == 8 * 16 * 32);
 }
 
 TEST_CASE("a search that counts hits only does not stop at a wrong decision") {
     SearchFile search(folder / "backward-far.toml");
-    search.starts = 2;
-    search.generations = 16;
+    search.start_count = 2;
+    search.generation_count = 16;
     const auto worst = [&] { return worst_of(search, row("sphere.schoolbook", "f32")); };
     const auto hit = worst();
     search.hits_only = false;
@@ -132,17 +132,17 @@ TEST_CASE("a search that counts hits only does not stop at a wrong decision") {
     REQUIRE((hit && wrong));
     CHECK(hit->outcome == Outcome::agree_hit);
     CHECK(hit->value > 100);
-    CHECK(hit->evaluations == 2 * 16 * 32);
+    CHECK(hit->evaluation_count == 2 * 16 * 32);
     CHECK(wrong->outcome != Outcome::agree_hit);
-    CHECK(wrong->evaluations < hit->evaluations);
+    CHECK(wrong->evaluation_count < hit->evaluation_count);
 }
 
 TEST_CASE("a search reports for its worst ray what that ray measures alone") {
     int hits = 0, wrong = 0;
     for (const char* name : {"near", "far"}) {
         SearchFile search(folder / (std::string(name) + ".toml"));
-        search.starts = 2;
-        search.generations = 16;
+        search.start_count = 2;
+        search.generation_count = 16;
         for (const TestedForm& tested_form : {row("sphere.schoolbook", "f32"), row("sphere.press", "f64"),
                                               row("sphere.pythagoras", "bf16"), row("sphere.hearn_baker", "p12")}) {
             CAPTURE(name, tested_form.form->info->name, tested_form.format.name);
@@ -177,7 +177,7 @@ TEST_CASE("a search over empty ranges finds nothing, and a search stops at a wro
     const auto found = worst_of(hard, row("sphere.schoolbook", "p5"));
     REQUIRE(found.has_value());
     CHECK(found->outcome != Outcome::agree_hit);
-    CHECK(found->evaluations < 64 * 64 * 32);
+    CHECK(found->evaluation_count < 64 * 64 * 32);
     const SingleRay alone(row("sphere.schoolbook", "p5"), found->ray, found->primitive);
     CHECK(alone.hit == (found->outcome == Outcome::false_hit));
     CHECK(alone.truth.is_hit() == (found->outcome == Outcome::false_miss));

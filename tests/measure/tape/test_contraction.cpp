@@ -105,7 +105,7 @@ Hit<double> compiled(EvaluatePlain<F> ask, const Setting& setting) {
 /// Number of rays, of `count` rays of a form, on which compiled code and the contracted tape differ.
 template <class F>
 int differing(const Intersector& form, const Format& format, EvaluatePlain<F> ask, int count) {
-    const Intersector& row = contracted_form(form);
+    const Intersector& row = contract_form(form);
     Random random(7);
     int apart = 0;
     for (int i = 0; i < count; ++i) {
@@ -148,9 +148,9 @@ TEST_CASE("a contracted form has the bits of code that the compiler contracts", 
 TEST_CASE("a contracted form equals its tape in every arithmetic", "[tape][contraction]") {
     const Format f32 = *find_format("f32"), f64 = *find_format("f64"), p24{"p24", binary32, Format::Engine::rounded};
     for (const char* const name : {"sphere.schoolbook", "box.embree_fma", "triangle.undivided", "torus.sturm"}) {
-        const Intersector &form = form_named(name), &row = contracted_form(form);
+        const Intersector &form = form_named(name), &row = contract_form(form);
         CHECK(row.info->name == std::string(name) + "+fma");
-        CHECK(&contracted_form(form) == &row);
+        CHECK(&contract_form(form) == &row);
         CHECK(is_contracted(row));
         CHECK_FALSE(is_contracted(form));
         Random random(3);
@@ -168,9 +168,8 @@ TEST_CASE("a contracted form equals its tape in every arithmetic", "[tape][contr
             }
         }
     }
-    CHECK_THROWS_WITH(contracted_form(form_named("sphere.filtered")), Catch::Contains("it filters"));
-    CHECK_THROWS_WITH(contracted_form(contracted_form(form_named("sphere.press"))),
-                      Catch::Contains("contracted already"));
+    CHECK_THROWS_WITH(contract_form(form_named("sphere.filtered")), Catch::Contains("it filters"));
+    CHECK_THROWS_WITH(contract_form(contract_form(form_named("sphere.press"))), Catch::Contains("contracted already"));
 }
 
 }  // namespace lostbits::test::test_contraction

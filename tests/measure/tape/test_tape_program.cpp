@@ -126,7 +126,7 @@ TEST_CASE("wider operations have the bits of a tape with those widths", "[tape]"
         const auto rays = draw(form, format);
         for (int k = 0; k < 4; ++k) {
             std::vector<NodeId> wide;
-            for (const NodeId i : rounded_operations(tape))
+            for (const NodeId i : find_widenable_operations(tape))
                 if (random.unit() < 0.4) wide.push_back(i);
             const Tape wider = widen_operations(tape, wide, binary64);
             const auto found = in_columns(format, TapeProgram(wider), rays);
@@ -145,7 +145,7 @@ TEST_CASE("a form all in double keeps all but one bit of float, and without wide
     const Format format = *find_format("f32");
     const Intersector& form = test::form_named("sphere.half_b");
     const Tape tape = record_tape(form, format);
-    const auto all = rounded_operations(tape);
+    const auto all = find_widenable_operations(tape);
     const auto rays = draw(form, format);
     const auto none = in_columns(format, TapeProgram(widen_operations(tape, {}, binary64)), rays);
     int hits = 0;

@@ -30,7 +30,7 @@ std::vector<float> after_a_pass(const measure::trade::TimedKernel& kernel) {
     measure::trade::BoxWork work(1 << 14);
     const auto timed = work.work_for(kernel);
     REQUIRE(timed.has_value());
-    CHECK(timed->items == work.f32()->t.size());
+    CHECK(timed->item_count == work.f32()->t.size());
     timed->pass();
     return {work.f32()->t.begin(), work.f32()->t.end()};
 }
@@ -66,7 +66,7 @@ TEST_CASE("every thread runs its own work, and one thread alone is the reference
                 busy[i] = false;
             };
         },
-        {.repetitions = 4, .min_seconds = 1e-3, .threads = 3});
+        {.repetitions = 4, .min_seconds = 1e-3, .thread_count = 3});
     CHECK(quotients.size() == 4);
     for (const double q : quotients) CHECK((q > 0 && std::isfinite(q)));
     for (const auto& n : passes) CHECK(n > 4);
@@ -75,7 +75,7 @@ TEST_CASE("every thread runs its own work, and one thread alone is the reference
     CHECK_THROWS_AS(
         measure::trade::measure_thread_speedups(
             [&](std::size_t) { return [&] { asked = true; }; },
-            {.repetitions = 3, .min_seconds = 1e-4, .threads = 1, .stop = intersect::process::StopToken(asked)}),
+            {.repetitions = 3, .min_seconds = 1e-4, .thread_count = 1, .stop = intersect::process::StopToken(asked)}),
         Interrupted);
     CHECK_FALSE(measure::trade::allowed_processors().empty());
 }

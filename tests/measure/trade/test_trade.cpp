@@ -21,7 +21,7 @@ namespace {
 constexpr double no_bits = std::numeric_limits<double>::quiet_NaN();
 
 OperationCounts operations(std::string_view form) {
-    const measure::trade::RayPool pool = measure::trade::ray_pool(form_named(form).shape);
+    const measure::trade::RayPool pool = measure::trade::make_ray_pool(form_named(form).shape);
     const auto narrow = [](const Vec<double>& v) {
         return Vec<float>(static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z));
     };
@@ -50,16 +50,17 @@ void check_store(Native native, const measure::trade::RayPool& pool) {
             measure::trade::RayStore<S> store(pool, 50000, rate, rays_per_run, 3);
             CHECK(store.bytes() <= 50000);
             CHECK(store.bytes() > 40000);
-            CHECK(store.rays_per_run() == (rays_per_run == 0 ? store.rays() : rays_per_run));
+            CHECK(store.rays_per_run() == (rays_per_run == 0 ? store.ray_count() : rays_per_run));
             std::size_t calls = 0;
-            for (std::size_t seen = 0; seen < store.rays(); seen += store.rays_per_run(), ++calls) store.run(native);
+            for (std::size_t seen = 0; seen < store.ray_count(); seen += store.rays_per_run(), ++calls)
+                store.run(native);
             // Rays left over after the last whole run are never run.
-            const double whole = static_cast<double>(store.rays() / store.rays_per_run() * store.rays_per_run()) /
-                                 static_cast<double>(store.rays());
+            const double whole = static_cast<double>(store.ray_count() / store.rays_per_run() * store.rays_per_run()) /
+                                 static_cast<double>(store.ray_count());
             CHECK(store.hit_fraction() <= rate + 1e-3);
             CHECK(store.hit_fraction() >= rate * whole - 0.02);
             if (rays_per_run == 0)
-                CHECK(std::fabs(store.hit_fraction() - rate) <= 1.0 / static_cast<double>(store.rays()));
+                CHECK(std::fabs(store.hit_fraction() - rate) <= 1.0 / static_cast<double>(store.ray_count()));
         }
     }
 }
@@ -110,22 +111,22 @@ TEST_CASE("a row is dominated if another is better in one respect and at least e
 TEST_CASE("the cheapest row is the fastest that is never wrong and accurate enough", "[trade]") {
     const std::vector<measure::trade::ParetoPoint> all{
         {1, 0.001, 24}, {3, 0, 22}, {2, 0, 21.9}, {1.5, 0, no_bits}, {4, 0, 45}};
-    CHECK(measure::trade::cheapest(all, 20) == std::size_t{2});
-    CHECK(measure::trade::cheapest(all, 22) == std::size_t{1});
-    CHECK(measure::trade::cheapest(all, 40) == std::size_t{4});
-    CHECK_FALSE(measure::trade::cheapest(all, 46).has_value());
+    CHECK(measure::trade::find_cheapest(all, 20) == std::size_t{2});
+    CHECK(measure::trade::find_cheapest(all, 22) == std::size_t{1});
+    CHECK(measure::trade::find_cheapest(all, 40) == std::size_t{4});
+    CHECK_FALSE(measure::trade::find_cheapest(all, 46).has_value());
 }
 
 TEST_CASE("a row is ranked by its median, all wrong decisions and the 99th percentile", "[trade]") {
     const std::vector<const measure::metric::Metric*> lost{measure::metric::find_metric("lost_bits")};
     measure::evaluate::FormSummary s;
-    s.rays = 100;
+    s.ray_count = 100;
     s.outcomes = {90, 2, 1, 2, 1, 4};
     s.metrics = std::vector<measure::metric::Distribution>(1);
     for (int i = 1; i <= 100; ++i) s.metrics[0].add(i == 100 ? 20 : 4);
     s.metrics[0].seal();
     const measure::trade::ParetoPoint got =
-        measure::trade::pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
+        measure::trade::make_pareto_point({2e-9, 1e-9, 3e-9}, row("sphere.unified", "f32"), s, lost);
     CHECK(got.time_ns == Approx(2));
     CHECK(got.wrong_fraction == 4.0 / 96);
     CHECK(got.kept_bits == Approx(20).epsilon(0.001));
@@ -133,25 +134,25 @@ TEST_CASE("a row is ranked by its median, all wrong decisions and the 99th perce
 }
 
 TEST_CASE("ray buffers hold the stated share of hits", "[trade]") {
-    check_store<float>(form_named("sphere.unified").native32, measure::trade::ray_pool(Shape::sphere));
-    check_store<double>(form_named("sphere.unified_unit").native64, measure::trade::ray_pool(Shape::sphere));
-    check_store<float>(form_named("box.signs").native32, measure::trade::ray_pool(Shape::box));
-    check_store<double>(form_named("box.divide").native64, measure::trade::ray_pool(Shape::box));
+    check_store<float>(form_named("sphere.unified").native32, measure::trade::make_ray_pool(Shape::sphere));
+    check_store<double>(form_named("sphere.unified_unit").native64, measure::trade::make_ray_pool(Shape::sphere));
+    check_store<float>(form_named("box.signs").native32, measure::trade::make_ray_pool(Shape::box));
+    check_store<double>(form_named("box.divide").native64, measure::trade::make_ray_pool(Shape::box));
 }
 
 TEST_CASE("rays are sampled evenly over a scene and compared with the primitives that most of them hit", "[trade]") {
     const auto scene = scene_named("near-benign");
     measure::trade::SceneWork work(scene);
-    CHECK(work.rays() > 1800);
-    CHECK(work.rays() <= 2100);
-    CHECK(work.primitives() == 3);  // the fourth is hidden behind the first
+    CHECK(work.ray_count() > 1800);
+    CHECK(work.ray_count() <= 2100);
+    CHECK(work.primitive_count() == 3);  // the fourth is hidden behind the first
     CHECK(work.hit_rate() > 0.05);
     CHECK(work.hit_rate() < 0.95);
     for (const auto& [format, size] : {std::pair{"f32", std::size_t{4}}, {"f64", std::size_t{8}}}) {
         const measure::evaluate::TestedForm timed = row("sphere.schoolbook", format);
-        CHECK(work.bytes(timed.format) == work.rays() * (9 * size + 1));
+        CHECK(work.bytes(timed.format) == work.ray_count() * (9 * size + 1));
         const auto pass = work.work_for(timed, intersect::simd::packed_kernels(*timed.form));
-        CHECK(pass.items == work.rays() * 3);
+        CHECK(pass.item_count == work.ray_count() * 3);
         pass.pass();
     }
     scene::file::Scene away = scene;
@@ -160,11 +161,11 @@ TEST_CASE("rays are sampled evenly over a scene and compared with the primitives
         0, {away.listed.front().numbers[0], away.listed.front().numbers[1], Real(50)});  // behind the eye
     measure::trade::SceneWork missing(away);
     CHECK(missing.hit_rate() == 0);
-    CHECK(missing.primitives() == 1);
+    CHECK(missing.primitive_count() == 1);
 }
 
 TEST_CASE("every row has a kernel at every register width", "[trade]") {
-    const auto kernels = measure::trade::trade_kernels(
+    const auto kernels = measure::trade::make_trade_kernels(
         {row("sphere.unified", "f32"), row("sphere.double_inside", "f32"), row("box.signs", "f64")});
     CHECK(kernels.size() == 3 * intersect::simd::available_isas().size());
     for (const measure::trade::TradeKernel& kernel : kernels) {
@@ -225,15 +226,15 @@ TEST_CASE("every row is timed in every round, and the thread's affinity is resto
 }
 
 TEST_CASE("loads combine every working set with every share of hits", "[trade]") {
-    const auto loads = measure::trade::trade_loads({48 << 10, 2 << 20, std::size_t{260} << 20});
+    const auto loads = measure::trade::make_trade_loads({48 << 10, 2 << 20, std::size_t{260} << 20});
     REQUIRE(loads.size() == 9);
     CHECK(loads[0].bytes == 24 << 10);
     CHECK(loads[3].bytes == 1 << 20);
     CHECK(loads[6].bytes == (std::size_t{520} << 20) / 6);
     CHECK(loads[measure::trade::reference_load(loads)].working_set == "l1");
     CHECK(loads[measure::trade::reference_load(loads)].hit_rate == 0.5);
-    CHECK(measure::trade::trade_loads({1, 1, 1})[8].bytes == std::size_t{32} << 20);
-    CHECK(measure::trade::cache_sizes().l1 > 0);
+    CHECK(measure::trade::make_trade_loads({1, 1, 1})[8].bytes == std::size_t{32} << 20);
+    CHECK(measure::trade::read_cache_sizes().l1 > 0);
 }
 
 }  // namespace test_trade

@@ -21,7 +21,7 @@ namespace {
 
 /// A ray along an axis, whose roots are 2 and 8, or 2 alone for flat shapes, in every arithmetic: nothing is rounded.
 RayGroup plain_ray(Shape shape, const Range<double>& range) {
-    RayGroup group = scene::rays::group_of({{-5, 0, 0}, {1, 0, 0}});
+    RayGroup group = scene::rays::make_group({{-5, 0, 0}, {1, 0, 0}});
     group.rays.tmin = {range.tmin};
     group.rays.tmax = {range.tmax};
     group.rays.open_ends = range.open_ends;

@@ -19,7 +19,7 @@ using measure::stability::backward_error;
 using measure::stability::CountedChange;
 using measure::truth::as_certified;
 using measure::truth::CertifiedNumber;
-using measure::truth::Perturbed;
+using measure::truth::Perturbation;
 using test::reach_of_t;
 using test::Seeded;
 
@@ -64,8 +64,9 @@ struct Problem {
     /// order where the line is not at a rim, and by (S 2^-e)² to second; a change of r/S turns it, so m <= r/S, and the
     /// second is to the first as 2^-e S/r <= m/64 at most, or, of the middle of a sphere, where r² stands for S r, as
     /// 2^-e (S/r)² <= 1/64.
-    [[nodiscard]] int certain_within(Perturbed perturbed) const {
-        const double margin = measure::stability::decision_margin(ray, primitive, CountedChange::root, perturbed);
+    [[nodiscard]] int certain_within(Perturbation perturbation) const {
+        const double margin =
+            measure::stability::find_decision_margin(ray, primitive, CountedChange::root, perturbation);
         return margin > 0 ? static_cast<int>(std::ceil(6 - 2 * std::log2(margin))) : 1000;
     }
 };
@@ -75,14 +76,14 @@ struct Problem {
 ///     |t - t*| = κ(ε) ε (1 + 2^-10) <= κ(ε) e (1 + 2^-10) <= κ(ε) · 2^(1/16) (1 + 2^-6) · backward_error(t).
 /// `anywhere`: also where two roots meet, or faces; there t goes as the root of ε, or as the steeper face.
 void check_finite(Tally& tally, const Problem& problem, bool anywhere, Seeded& rng) {
-    const int least = anywhere ? 20 : std::max(20, problem.certain_within(Perturbed::normwise));
+    const int least = anywhere ? 20 : std::max(20, problem.certain_within(Perturbation::normwise));
     const int p = least + rng.index(8);
-    const double t = problem.t(),
-                 far = reach_of_t(problem.ray, problem.primitive, problem.truth, {p, -1022, 1023}, Perturbed::normwise);
+    const double t = problem.t(), far = reach_of_t(problem.ray, problem.primitive, problem.truth, {p, -1022, 1023},
+                                                   Perturbation::normwise);
     if (p > 60 || !(far < t / 8 && far > t * 0x1p-42)) return;
     const double there = t + rng.sign() * far * (1 + 0x1p-10);
     tally.take(forward_error(there, problem.truth), std::ldexp(far, p),
-               backward_error(problem.ray, problem.primitive, there, Perturbed::normwise));
+               backward_error(problem.ray, problem.primitive, there, Perturbation::normwise));
 }
 
 /// With κ = Σ |xᵢ ∂t/∂xᵢ|/|t| a change of e moves t by κ e |t| and terms of second order, as above: t is off by 2^-40
@@ -90,7 +91,7 @@ void check_finite(Tally& tally, const Problem& problem, bool anywhere, Seeded& r
 void check_first_order(Tally& tally, const Problem& problem, Seeded& rng) {
     const double kappa = measure::truth::condition(problem.ray, problem.primitive), t = problem.t();
     if (!std::isfinite(kappa)) return;
-    if (std::log2(kappa) + 40 < problem.certain_within(Perturbed::componentwise)) return;
+    if (std::log2(kappa) + 40 < problem.certain_within(Perturbation::componentwise)) return;
     const double there = t * (1 + rng.sign() * 0x1p-40);
     tally.take(forward_error(there, problem.truth), kappa * t, backward_error(problem.ray, problem.primitive, there));
 }

@@ -27,12 +27,12 @@ using namespace lostbits;
 using namespace test::textbook;
 using measure::stability::backward_error;
 using measure::stability::CountedChange;
-using measure::stability::decision_margin;
+using measure::stability::find_decision_margin;
 using measure::stability::find_margin;
 using measure::stability::Margin;
-using measure::stability::most_tight;
+using measure::stability::max_tight_margin;
 using measure::truth::find_truth;
-using measure::truth::Perturbed;
+using measure::truth::Perturbation;
 using test::Seeded;
 
 namespace {
@@ -96,7 +96,7 @@ public:
         const double margin = find_margin(ray_, primitive_, CountedChange::decision).proved;
         const double root = find_margin(ray_, primitive_).proved;
         // Both are searched to 2^(1/16), or to 2 if they are large.
-        const bool in_order = root <= margin * (margin < most_tight ? 1.05 : 2);
+        const bool in_order = root <= margin * (margin < max_tight_margin ? 1.05 : 2);
         if (!(root >= 0 && in_order && margin <= 0.5)) contradict("margins", margin, root);
         const std::uint64_t bits = rng_.bits(60);
         SeenWays seen;
@@ -110,7 +110,7 @@ public:
             seen = look(problem, margin, bits, signs, same, [&](const NumbersOf<N>& x) { return !same(x); });
         });
         if (!exact || !seen.holds) contradict(exact ? "margin" : "rounded, margin", margin);
-        if (margin < most_tight) found_.margins.take(seen.is_tight);
+        if (margin < max_tight_margin) found_.margins.take(seen.is_tight);
     }
 
     /// The same for the backward error of a t that is off by 2^-3 to 2^-45.
@@ -225,8 +225,8 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
                 const Primitive<double> primitive = group.primitives.front();
                 const auto truth = find_truth(ray, primitive);
                 ++asked;
-                for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-                    const double margin = find_margin(ray, primitive, CountedChange::decision, perturbed).proved;
+                for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
+                    const double margin = find_margin(ray, primitive, CountedChange::decision, perturbation).proved;
                     told += margin > 0;
                     const double by = margin * (1 - 0x1p-20) - 0x1p-52;
                     if (by <= 0) continue;
@@ -255,7 +255,7 @@ struct AttackedMargin {
 };
 
 /// The change of a margin is at most twice the margin, and changes the decision, exactly.
-bool is_witness(const test::MarginProblem& problem, const Margin& margin, Perturbed perturbed) {
+bool is_witness(const test::MarginProblem& problem, const Margin& margin, Perturbation perturbation) {
     Ray<Real> ray = lift_ray<Real>(problem.ray);
     Primitive<Real> primitive = lift_primitive<Real>(problem.primitive);
     for (int i = 0; i < 3; ++i) {
@@ -271,10 +271,10 @@ bool is_witness(const test::MarginProblem& problem, const Margin& margin, Pertur
         double size = 0, change = 0;
         for (std::size_t i = first; i < first + count; ++i) {
             size += x[i] * x[i], change += margin.reached_change[i] * margin.reached_change[i];
-            if (perturbed == Perturbed::componentwise)
+            if (perturbation == Perturbation::componentwise)
                 is_small &= std::fabs(margin.reached_change[i]) <= most * std::fabs(x[i]);
         }
-        if (perturbed == Perturbed::normwise) is_small &= std::sqrt(change) <= most * std::sqrt(size);
+        if (perturbation == Perturbation::normwise) is_small &= std::sqrt(change) <= most * std::sqrt(size);
     };
     vector(0, 3), vector(3, 3);
     for_each_key(problem.primitive.shape, [&](const Key& key, std::size_t at) { vector(6 + at, key.count()); });
@@ -297,16 +297,16 @@ void attack(AttackedMargin& seen, const test::MarginProblem& problem, Seeded& rn
         seen.contradictions.push_back(out.str());
     };
     ++seen.problems;
-    for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-        const Margin margin = find_margin(problem.ray, problem.primitive, CountedChange::decision, perturbed);
-        const double told = decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbed);
+    for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
+        const Margin margin = find_margin(problem.ray, problem.primitive, CountedChange::decision, perturbation);
+        const double told = find_decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbation);
         const bool missing = std::isnan(told);
         if (!(missing || told == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
             contradict("no margin", margin.proved);
-        if (!missing && margin.proved < most_tight && !is_witness(problem, margin, perturbed))
+        if (!missing && margin.proved < max_tight_margin && !is_witness(problem, margin, perturbation))
             contradict("no change is found for the margin", margin.proved);
-        if (perturbed == Perturbed::normwise) continue;
-        seen.missing += missing, seen.small += margin.proved < most_tight;
+        if (perturbation == Perturbation::normwise) continue;
+        seen.missing += missing, seen.small += margin.proved < max_tight_margin;
         // No change of each number by a fraction of itself is smaller, whether or not the margin is reported.
         const double found = test::Attack(problem, rng).least(0.5, 3);
         if (found < margin.proved * (1 - 0x1p-30)) contradict("a smaller change turns the decision", found);
@@ -355,7 +355,7 @@ TEST_CASE("margins of rays across an axis and of tori at a silhouette do not col
     const Primitive<double> torus = Torus<double>{{0, 0, 0}, {0, 0, 1}, 2, 0.5};
     for (const double inside : {0x1p-12, 0x1p-20}) {
         // z and the minor radius meet: (1/2 - inside)(1 + e) = 1/2 (1 - e).
-        const double margin = decision_margin({{0, -4, 0.5 - inside}, {0, 1, 0}}, torus, CountedChange::decision);
+        const double margin = find_decision_margin({{0, -4, 0.5 - inside}, {0, 1, 0}}, torus, CountedChange::decision);
         CHECK(margin < 1.001 * inside);
         CHECK(margin > 0.5 * inside);
     }
@@ -382,7 +382,7 @@ TEST_CASE("the margin of a ray that misses several primitives is the nearest one
     for (int i = 0; i < 20; ++i) primitives.push_back(Sphere<double>{{4.0 + i, 0, 4}, 1});
     primitives.push_back(Torus<double>{{0, 8, 3}, {1, 0, 0}, 2, 0.5});
     primitives[13] = Sphere<double>{{1 + 0x1p-12, 0, 4}, 1};
-    CHECK(measure::stability::nearest_decision(ray, scene::rays::PrimitiveList<double>(primitives)) == 13);
+    CHECK(measure::stability::find_nearest_decision(ray, scene::rays::PrimitiveList<double>(primitives)) == 13);
     Seeded rng(0x3a61);
     for (int k = 0; k < test::draws(2000); ++k) {
         for (Primitive<double>& primitive : primitives)
@@ -395,8 +395,8 @@ TEST_CASE("the margin of a ray that misses several primitives is the nearest one
         }
         if (!misses) continue;
         const std::size_t nearest =
-            measure::stability::nearest_decision(ray, scene::rays::PrimitiveList<double>(primitives));
-        CHECK(find_margin(ray, primitives[nearest]).proved <= least * (least < most_tight ? 1.1 : 2));
+            measure::stability::find_nearest_decision(ray, scene::rays::PrimitiveList<double>(primitives));
+        CHECK(find_margin(ray, primitives[nearest]).proved <= least * (least < max_tight_margin ? 1.1 : 2));
     }
 }
 
@@ -404,7 +404,7 @@ TEST_CASE("margins and backward errors agree with those worked out by hand", "[m
     const Ray<double> ray{{0, 0, 0}, {0, 0, 1}};
     // d = 1 at distance 4 from a unit sphere whose centre is off the line by 1 - 2^-10: r and the centre move.
     const Sphere<double> grazed{{1 - 0x1p-10, 0, 4}, 1};
-    const double margin = decision_margin(ray, grazed);
+    const double margin = find_decision_margin(ray, grazed);
     CHECK(margin > 0.95 * 0x1p-11);
     CHECK(margin < 1.01 * 0x1p-11);
     // t = 3 of the sphere in front, and 3.003: (4 - 1)(1 + e) against a direction that is longer by e.
@@ -417,13 +417,13 @@ TEST_CASE("margins and backward errors agree with those worked out by hand", "[m
     CHECK(std::isnan(backward_error(ray, front, 0)));
     // Componentwise, the ray along an axis keeps its zeros; normwise, it turns.
     const Box<double> box{{1, -1, 3}, {2, 1, 5}};
-    CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box) == 0.5);
-    CHECK(decision_margin({{0, 0, 0}, {0, 0, 1}}, box, CountedChange::root, Perturbed::normwise) < 0.25);
+    CHECK(find_decision_margin({{0, 0, 0}, {0, 0, 1}}, box) == 0.5);
+    CHECK(find_decision_margin({{0, 0, 0}, {0, 0, 1}}, box, CountedChange::root, Perturbation::normwise) < 0.25);
     // A t so small or so large that it is negligible beside the other numbers.
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p-1000}}, front, 0x1p-1074) >= 0);
     CHECK(backward_error({{0, 0, 0}, {0, 0, 0x1p+1000}}, front, 0x1p-1070) >= 0);
     // Nothing is proved where the ray touches.
-    CHECK(decision_margin({{1, 0, 0}, {0, 0, 1}}, Sphere<double>{{0, 0, 4}, 1}) == 0);
+    CHECK(find_decision_margin({{1, 0, 0}, {0, 0, 1}}, Sphere<double>{{0, 0, 4}, 1}) == 0);
 }
 
 }  // namespace test_margin

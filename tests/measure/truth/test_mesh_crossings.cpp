@@ -15,10 +15,10 @@
 
 namespace lostbits::test::test_mesh_crossings {
 
-using measure::crossing::facing_of;
 using measure::crossing::find_crossings;
+using measure::crossing::find_facing;
+using measure::crossing::find_nearest_edges;
 using measure::crossing::locate_in_mesh;
-using measure::crossing::nearest_edges;
 using measure::crossing::Triangles;
 using measure::culling::BoxTree;
 using scene::rays::PrimitiveList;
@@ -190,21 +190,21 @@ TEST_CASE("the side from which a line crosses a triangle and its nearest edges a
                             turned = triangle({0, 0, 0}, {1, -1, 0}, {1, 0, 1});
     for (const double least : {0x1p-300, 0x1p-1000}) {
         const Vec<double> d(1, least, 1);
-        CHECK(facing_of({{0, 0, -1}, d}, slanted) == -1);
-        CHECK(facing_of({{0, 0, -1}, d}, turned) == 1);
-        CHECK(facing_of({{0, 0, -1}, -1.0 * d}, slanted) == 1);
+        CHECK(find_facing({{0, 0, -1}, d}, slanted) == -1);
+        CHECK(find_facing({{0, 0, -1}, d}, turned) == 1);
+        CHECK(find_facing({{0, 0, -1}, -1.0 * d}, slanted) == 1);
     }
-    CHECK(facing_of({{0, 0, -1}, {1, 0, 1}}, slanted) == 0);
-    CHECK(nearest_edges({{0, 0, -1}, {1, 0, 1}}, slanted) == 0b111);
+    CHECK(find_facing({{0, 0, -1}, {1, 0, 1}}, slanted) == 0);
+    CHECK(find_nearest_edges({{0, 0, -1}, {1, 0, 1}}, slanted) == 0b111);
 
     // A point (x, y) of a triangle with sides 3, 4 and 5 is (12 − 3x − 4y)/5, x and y away from the edges opposite to
     // a, b and c: all are 1 at (1, 1).
     const Primitive<double> right = triangle({0, 0, 0}, {4, 0, 0}, {0, 3, 0}),
                             left = triangle({0, 0, 0}, {0, 3, 0}, {4, 0, 0});
     const auto nearest = [&](double x, double y, double dy = 0) {
-        const unsigned from_above = nearest_edges({{x, y, 1}, {0, dy, -1}}, right);
-        CHECK(nearest_edges({{x, y, -1}, {0, dy, 1}}, right) == from_above);
-        CHECK(nearest_edges({{x, y, -1}, {0, dy, 1}}, left) ==
+        const unsigned from_above = find_nearest_edges({{x, y, 1}, {0, dy, -1}}, right);
+        CHECK(find_nearest_edges({{x, y, -1}, {0, dy, 1}}, right) == from_above);
+        CHECK(find_nearest_edges({{x, y, -1}, {0, dy, 1}}, left) ==
               ((from_above & 1U) | (from_above & 2U) << 1 | (from_above & 4U) >> 1));
         return from_above;
     };

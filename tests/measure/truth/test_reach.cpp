@@ -14,7 +14,7 @@
 namespace test_reach {
 
 using namespace lostbits;
-using measure::truth::Perturbed;
+using measure::truth::Perturbation;
 using test::reach_of_t;
 using test::Seeded;
 using namespace test::textbook;
@@ -83,7 +83,7 @@ public:
             });
             take(moved, most);
         }
-        return over(most, reach_of_t(ray_, primitive_, certified_, format_, Perturbed::normwise));
+        return over(most, reach_of_t(ray_, primitive_, certified_, format_, Perturbation::normwise));
     }
 
 private:

@@ -18,7 +18,7 @@ namespace lostbits::test::test_reach_of_kinds {
 using measure::truth::CertifiedNumber;
 using measure::truth::find_truth;
 using measure::truth::Length;
-using measure::truth::Perturbed;
+using measure::truth::Perturbation;
 using measure::truth::Truth;
 
 namespace {
@@ -113,14 +113,14 @@ class Trial {
 public:
     /// `plain` is the problem before it was scaled, whose slopes have the same signs and are doubles.
     Trial(const Problem& problem, const Problem& plain, const Truth& truth, Length length, const FloatFormat& format,
-          Perturbed perturbed)
+          Perturbation perturbation)
         : problem_(problem),
           plain_(plain),
           truth_(truth),
           length_(length),
-          normwise_(perturbed == Perturbed::normwise),
+          normwise_(perturbation == Perturbation::normwise),
           x_(numbers_of(problem.ray, problem.primitive)),
-          bound_(measure::truth::reach(problem.ray, problem.primitive, answer(truth), length, format, perturbed)) {
+          bound_(measure::truth::reach(problem.ray, problem.primitive, answer(truth), length, format, perturbation)) {
         for (const double x : x_) {
             const int e = x == 0 ? format.emin : std::max(std::ilogb(x), format.emin);
             step_.push_back(ldexp(Real(1), e - format.precision));
@@ -216,7 +216,7 @@ struct Tally {
 };
 
 /// Tries problems of a shape; returns the observed changes divided by the bounds.
-Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed perturbed, int draws, bool scale) {
+Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbation perturbation, int draws, bool scale) {
     Tally tally;
     Seeded rng(0x5ca1ab1e + static_cast<std::uint64_t>(shape) * 16 + static_cast<std::uint64_t>(kind));
     for (int i = 0; i < draws; ++i) {
@@ -231,7 +231,7 @@ Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed pert
         const Truth truth = find_truth(problem->ray, problem->primitive);
         if (!is_of_use(truth, shape) || (kind == Kind::spread && may_begin_on_surface(*problem))) continue;
         for (const Length length : {Length::parameter, Length::distance}) {
-            const Trial trial(*problem, *drawn, truth, length, format, perturbed);
+            const Trial trial(*problem, *drawn, truth, length, format, perturbation);
             const double ratio = trial.worst(rng, 8);
             ++tally.trials;
             tally.beyond += ratio > 1;
@@ -245,10 +245,10 @@ Tally try_kind(Shape shape, Kind kind, const FloatFormat& format, Perturbed pert
 /// In double and in float.
 void check_kind(Shape shape, Kind kind, int draws, bool scale, int percent) {
     for (const FloatFormat& format : {binary64, binary32}) {
-        for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-            const Tally tally = try_kind(shape, kind, format, perturbed, draws, scale);
+        for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
+            const Tally tally = try_kind(shape, kind, format, perturbation, draws, scale);
             INFO(row_of(shape).name << ", kind " << static_cast<int>(kind) << ", " << format.precision << " bits, "
-                                    << (perturbed == Perturbed::normwise ? "normwise" : "componentwise"));
+                                    << (perturbation == Perturbation::normwise ? "normwise" : "componentwise"));
             CHECK(tally.trials >= draws / 3);
             CHECK(tally.beyond == 0);
             CHECK(tally.worst > 0.99);
@@ -285,9 +285,9 @@ TEST_CASE("answers of rays with exponents far apart move no further than their r
         if (row.shape == shape_as<Cylinder> || row.shape == shape_as<Cone> || row.shape == shape_as<Tube> ||
             row.shape == shape_as<Torus>)
             continue;
-        for (const Perturbed perturbed : {Perturbed::componentwise, Perturbed::normwise}) {
-            const Tally tally = try_kind(row.shape, Kind::spread, binary64, perturbed, test::draws(1500), false);
-            INFO(row.name << ", " << (perturbed == Perturbed::normwise ? "normwise" : "componentwise"));
+        for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
+            const Tally tally = try_kind(row.shape, Kind::spread, binary64, perturbation, test::draws(1500), false);
+            INFO(row.name << ", " << (perturbation == Perturbation::normwise ? "normwise" : "componentwise"));
             CHECK(tally.trials >= 40);
             CHECK(tally.beyond == 0);
         }
@@ -312,7 +312,7 @@ TEST_CASE("a box moves no further than its reach if the crossed component is 0 b
         const Truth truth = find_truth(ray, problem.primitive);
         if (!is_of_use(truth, Shape::box)) continue;
         for (const Length length : {Length::parameter, Length::distance}) {
-            CHECK(Trial(problem, problem, truth, length, binary64, Perturbed::componentwise).worst(rng, 8) <= 1);
+            CHECK(Trial(problem, problem, truth, length, binary64, Perturbation::componentwise).worst(rng, 8) <= 1);
             ++trials;
         }
     }

@@ -75,7 +75,7 @@ RayQuestion draw(Random& random, const Intersector& form, const Format& format) 
         for (int k = 0; k < 3; ++k)
             if (below(random, 8) == 0) (*v)[k] = in_format(odd[below(random, odd.size())]);
     if (s.ray.direction == Vec<double>(0, 0, 0)) s.ray.direction.x = 1;
-    RayQuestion asked{&form, format, scene::rays::group_of(s.ray)};
+    RayQuestion asked{&form, format, scene::rays::make_group(s.ray)};
     asked.group.primitives = s.primitives;
     if (is_primitive(form.shape) && random.one_in(3))
         asked.group.primitives.push_back(draw_setting(random, form, format, 1).primitives.front());

@@ -68,7 +68,8 @@ TEST_CASE("colour ramps rise from dark to light and match the published ones", "
 }
 
 TEST_CASE("the colours of outcomes and of insufficient widths differ from those of values", "[colour]") {
-    const auto drawn = std::span(outcome_colours).first(lostbits::measure::answer::outcomes_without_mesh).subspan(1);
+    const auto drawn =
+        std::span(outcome_colours).first(lostbits::measure::answer::outcome_count_without_mesh).subspan(1);
     const auto ramp = backend().ramp("viridis", 256);
     // 0.02 is a just noticeable difference in OKLab: five of them at the very least, for every eye.
     for (const auto& [eye, least] : {std::pair{&any_eye, 0.15}, {&deuteranope, 0.10}}) {
@@ -229,7 +230,7 @@ TEST_CASE("CIEDE2000 agrees with its authors' test data", "[colour]") {
 }
 
 TEST_CASE("people with any kind of colour vision can tell the classes of a picture apart", "[colour]") {
-    const auto meshes = outcome_colours.begin() + lostbits::measure::answer::outcomes_without_mesh;
+    const auto meshes = outcome_colours.begin() + lostbits::measure::answer::outcome_count_without_mesh;
     check_apart("outcomes", {outcome_colours.begin(), meshes});
     // No colours are left that are as far from the whole ramp and from each other for all eyes.
     for (const Eye& eye : eyes) {

@@ -30,10 +30,10 @@ namespace {
 /// A row of 1000 pixels with these lost bits on its agreed hits, and these outcomes beside them.
 FormSummary summary_of(double lost, std::initializer_list<std::pair<Outcome, std::uint64_t>> outcomes) {
     FormSummary s({find_metric("lost_bits")});
-    s.rays = 1000;
+    s.ray_count = 1000;
     for (const auto& [outcome, n] : outcomes) s.outcomes[static_cast<std::size_t>(outcome)] = n;
     for (const Outcome o : {Outcome::agree_hit, Outcome::false_miss, Outcome::wrong_primitive})
-        s.true_hits += s.count(o);
+        s.true_hit_count += s.count(o);
     for (std::uint64_t i = 0; i < s.count(Outcome::agree_hit); ++i) s.metrics[0].add(lost);
     return s;
 }
@@ -132,7 +132,7 @@ TEST_CASE("the difference of two forms has a unit, a count, and a legend where t
     const Metric& apart = *find_metric("apart");
     const MetricPaint paint(apart, binary32);
     FormSummary s({&apart});
-    s.rays = 1000;
+    s.ray_count = 1000;
     for (int i = 0; i < 300; ++i) s.metrics[0].add(i < 200 ? 0.0 : 3.0);
     CHECK(paint.short_summary(s, 0) == "median 0 ulp\nlargest 3 ulp\nof 300 rays that both forms hit");
     const auto legend = legend_of(
@@ -170,7 +170,7 @@ TEST_CASE("every metric is a number with a scale or a category with a name, and 
         }
         // A row whose only ray is a hit without a value.
         FormSummary s({m});
-        s.rays = s.true_hits = s.outcomes[0] = 1;
+        s.ray_count = s.true_hit_count = s.outcomes[0] = 1;
         CHECK(legend_of(paint, {{Outcome::agree_hit, none, 1}}).size() <= 1);
         CHECK((paint.short_summary(s, 0) + paint.caption(s, 0) + paint.note() + paint.widest_caption(1)).size() > 1);
     }
@@ -182,7 +182,7 @@ TEST_CASE("shares of culprits are of the rays that have a culprit, and the pictu
     culprit.categories = operations;
     const MetricPaint paint(culprit, binary32);
     FormSummary s({&culprit});
-    s.rays = 1000;
+    s.ray_count = 1000;
     s.outcomes[static_cast<std::size_t>(Outcome::agree_miss)] = 700;
     s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = 300;
     s.categories = {{100, 150, 50}};

@@ -23,8 +23,8 @@ std::string row_of(Evidence evidence, Claim::Verdict verdict, std::uint64_t floa
     ClaimResult result;
     result.state = ClaimResult::State::agrees;
     result.measured = 7;
-    result.floats = floats;
-    result.evaluations = evaluations;
+    result.float_count = floats;
+    result.evaluation_count = evaluations;
     return claims_table(
         {.command = {}, .maps = {}, .sweeps = {}, .trades = {}, .claims = {claim}, .results = {result}});
 }
@@ -71,7 +71,7 @@ TEST_CASE("a claim that failed rests on nothing, but still shows how many floats
             {.command = {}, .maps = {}, .sweeps = {}, .trades = {}, .claims = {claim}, .results = {result}});
     };
     CHECK(row().find("evidence") == std::string::npos);
-    result.floats = 12;
+    result.float_count = 12;
     CHECK(says(row(), "expected to hold, but does not: all 12 floats"));
 }
 

@@ -54,7 +54,7 @@ TEST_CASE("study: shards of every study add up to the bits of the whole", "[outp
     const auto touching = load("offset-touching", 6, 40);
     const std::vector rows{row("sphere.half_b", "f32"), row("sphere.press", "bf16")};
     check_parts(measure::consistency::ConsistencyStudy{
-        .scene = touching, .tested_forms = rows, .checks = measure::consistency::checks_for(touching, rows)});
+        .scene = touching, .tested_forms = rows, .checks = measure::consistency::select_checks(touching, rows)});
     check_parts(
         measure::offset::OffsetStudy{.scene = touching,
                                      .tested_forms = {{rows[0]}, {rows[1], measure::offset::HitPointKind::projected}},
@@ -77,8 +77,8 @@ TEST_CASE("study: bands are blocks of 16 lines, and shards never split one", "[o
                   {[&lines](std::size_t, const auto& band) { lines.push_back(band.y0 * 100 + band.scanlines); }});
     }
     CHECK(lines == std::vector<int>{16, 1616, 3216, 4816, 6406});
-    CHECK(measure::study::lines_of_band(1024, 32768) == 32);
-    CHECK(measure::study::lines_of_band(70000, 32768) == 16);
+    CHECK(measure::study::lines_per_band(1024, 32768) == 32);
+    CHECK(measure::study::lines_per_band(70000, 32768) == 16);
 }
 
 TEST_CASE("study: lists of different sizes cannot be added", "[output][study]") {

@@ -182,14 +182,14 @@ radius = [0.5, 2]
                                     .primitive = sphere,
                                     .t = 5.5,
                                     .truth = 5.25,
-                                    .evaluations = 640},
+                                    .evaluation_count = 640},
         measure::sweep::WorstResult{.outcome = measure::answer::Outcome::false_hit,
                                     .value = HUGE_VAL,
                                     .ray = {{1, 2, 3}, {0, 0, 1}},
                                     .primitive = sphere,
                                     .t = 0x1p-3,
                                     .truth = std::nan(""),
-                                    .evaluations = 32},
+                                    .evaluation_count = 32},
         std::nullopt};
     output::sweep::write_worst(folder.path(), request, found);
 

@@ -164,7 +164,7 @@ TEST_CASE("a plane's picture marks wrong forms by outline and outcome colour, an
             const auto wrong = s.count(kinds[0]) + s.count(kinds[1]) + s.count(kinds[2]);
             CAPTURE(what.format.name, step.values[0], step.values[1], wrong, p99);
             std::optional<output::image::Rgb8> expected, small;
-            if (2 * wrong > s.rays) {
+            if (2 * wrong > s.ray_count) {
                 expected = small = output::image::outcome_colours[static_cast<std::size_t>(worst)];
                 ++wrong_cells;
             } else if (s.agreement().is_enough()) {

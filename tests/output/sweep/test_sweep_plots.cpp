@@ -52,7 +52,7 @@ struct MadePlots {
             step.values = {sweep.axes.front().values[k]};
             step.summaries.emplace_back(request.metrics);
             FormSummary& s = step.summaries.back();
-            s.rays = s.true_hits = s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = rays;
+            s.ray_count = s.true_hit_count = s.outcomes[static_cast<std::size_t>(Outcome::agree_hit)] = rays;
         }
     }
     void put(Outcome o, std::size_t step, std::uint64_t n) {
@@ -110,7 +110,7 @@ TEST_CASE("a plot of one false miss in a thousand rays differs from that of none
     // No ray truly misses, so that none can be a false hit: a line at 0 would say that the form is good at it.
     CHECK(drawn(Outcome::false_hit).pixels == 0);
     CHECK(backend().read_png(folder / "w.png").height < 200);  // a sentence, without a frame
-    made.made[0].summaries[0].true_hits = rays - 1;
+    made.made[0].summaries[0].true_hit_count = rays - 1;
     const FoundMarks hits = drawn(Outcome::false_hit);
     CHECK(hits.pixels > 300);
     CHECK(hits.foot - hits.top <= 3);
@@ -163,7 +163,7 @@ TEST_CASE("an ulp of the distance is as wide as the sphere from 2^p radii on", "
 
 TEST_CASE("a quantile over too few agreed hits leaves a gap", "[too_far]") {
     measure::evaluate::FormSummary s;
-    s.rays = s.true_hits = 100;
+    s.ray_count = s.true_hit_count = 100;
     s.metrics.resize(1);
     for (int k = 0; k < 10; ++k) s.metrics[0].add(3);
     s.metrics[0].seal();

@@ -93,7 +93,7 @@ const Planes planes[] = {
 TEST_CASE("every ray generator gives the exact ray of the pixel when nothing is rounded") {
     for (const Planes& p : planes) {
         const file::Scene plain = loaded(scene_of("100, -20, 7", "102, -17, 13", p.text));
-        const auto numbers = rays::camera_numbers(plain);
+        const auto numbers = rays::compute_camera_numbers(plain);
         for (const RayGenerator& generator : ray_generators()) {
             if (p.without.contains(std::string(generator.info->name))) continue;
             CAPTURE(p.text, generator.info->name);
@@ -113,7 +113,7 @@ TEST_CASE("ideal rays agree with fractions, from the eye or from the near plane"
         const file::Scene scene =
             with_ray_generator(loaded(scene_of("100, -20, 7", "102, -17, 13", "near = 0.25\nfar = 64")), generator);
         const auto ideal = rays::make_own_rays(scene, 1, 3);
-        REQUIRE(ideal.made);
+        REQUIRE(ideal.generated_rays);
         REQUIRE(ideal.size() == 2 * width);
         for (std::size_t i = 0; i < ideal.size(); ++i)
             check_ray(ideal[i], width + static_cast<int>(i), Fraction(generator.info->starts_on_near_plane ? 1 : 0, 4),
@@ -123,15 +123,15 @@ TEST_CASE("ideal rays agree with fractions, from the eye or from the near plane"
 
 TEST_CASE("ray generators give the same rays in machine floats and in emulated formats") {
     const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
-    const auto numbers = rays::camera_numbers(plain);
+    const auto numbers = rays::compute_camera_numbers(plain);
     for (const RayGenerator& generator : ray_generators()) {
         CAPTURE(generator.info->name);
         const file::Scene scene = with_ray_generator(plain, generator);
         const rays::GeneratedRays made(scene);
         for (const FloatFormat& format : {binary32, binary64}) {
-            const rays::RayBlock native = made.rounded_rays(format, 0, height);
+            const rays::RayBlock native = made.make_rounded_rays(format, 0, height);
             const CurrentFormat::Scope scope(format);
-            const auto stored = rays::camera_numbers(scene).each(
+            const auto stored = rays::compute_camera_numbers(scene).each(
                 [&](const Real& x) { return RoundedAny(toml::round_to_format(x, format)); });
             std::size_t i = 0;
             generator.rounded(stored, {0, height}, [&](const Ray<RoundedAny>& ray) {
@@ -154,9 +154,9 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
         for (const char* name : {"f32", "f64", "fp16"}) {
             CAPTURE(generator.info->name, name);
             const Format format = *find_format(name);
-            const rays::RayBlock native = made.rounded_rays(format.parameters, 0, height);
+            const rays::RayBlock native = made.make_rounded_rays(format.parameters, 0, height);
             for (const auto& [x, y] : {std::pair(0, 0), std::pair(width - 1, 2)}) {
-                const rays::RecordedRay recorded = made.record(format, {x, y});
+                const rays::RecordedRay recorded = made.record_ray(format, {x, y});
                 const Ray<double> one = native[y * width + x];
                 for (std::size_t k = 0; k < 6; ++k) {
                     const double value = recorded.tape[recorded.ray[k]].value;
@@ -179,7 +179,7 @@ TEST_CASE("generators that rotate a direction in camera space give the same rays
     const auto directions = [](const RayGenerator& generator, const std::string& eye, const std::string& look_at) {
         const file::Scene scene =
             with_ray_generator(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
-        const rays::RayBlock block = rays::GeneratedRays(scene).rounded_rays(binary32, 0, height);
+        const rays::RayBlock block = rays::GeneratedRays(scene).make_rounded_rays(binary32, 0, height);
         return std::vector<std::vector<double>>{block.dx, block.dy, block.dz};
     };
     const std::set<std::string_view> apart{"bevy_view", "nvpro", "godot", "optix", "pbrt", "differentials", "relative"};
@@ -210,7 +210,7 @@ TEST_CASE("no ray is generated where w is 0: an infinite far plane, or z = 0 wit
                                             {"near = 2", "glm"}}) {
         const file::Scene scene =
             with_ray_generator(loaded(scene_of("0, 0, 0", "2, 3, 6", planes_text)), *camera::find_ray_generator(name));
-        const rays::RayBlock block = rays::GeneratedRays(scene).rounded_rays(binary32, 0, height);
+        const rays::RayBlock block = rays::GeneratedRays(scene).make_rounded_rays(binary32, 0, height);
         for (std::size_t i = 0; i < block.size(); ++i) CHECK_FALSE(std::isfinite(block.dx[i]));
     }
 }

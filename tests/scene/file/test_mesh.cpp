@@ -225,7 +225,7 @@ TEST_CASE("meshes come after the other primitives, and their numbers are stored 
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Primitive<double> stored = list[i], ideal = round_primitive(all[i], binary32);
         CHECK(std::ranges::equal(stored.shape_numbers(), ideal.shape_numbers()));
-        CHECK(std::ranges::equal(shared_primitives(scene)[i].shape_numbers(), ideal.shape_numbers()));
+        CHECK(std::ranges::equal(make_shared_primitives(scene)[i].shape_numbers(), ideal.shape_numbers()));
     }
     CHECK_FALSE(scene.mesh->share_a_vertex(0, 80));
 }
@@ -281,7 +281,7 @@ TEST_CASE("a sphereflake comes after the other spheres, and a wrong one is refus
     const Scene s = loaded(text);
     CHECK(s.shapes() == std::vector{Shape::sphere});
     CHECK(s.primitives().size() == 11);
-    const auto shared = shared_primitives(s);
+    const auto shared = make_shared_primitives(s);
     REQUIRE(shared.size() == 11);
     CHECK(shared[0].sphere().radius == 1);
     CHECK(shared[1].sphere().radius == 0.5);

@@ -52,7 +52,7 @@ struct Sample {
 private:
     static void read_sweep(const fs::path& file) {
         using namespace scene::sweep;
-        switch (sweep_kind(file)) {
+        switch (read_sweep_kind(file)) {
             case SweepKind::axes: SweepFile(file, LOSTBITS_DATA_DIR); break;
             case SweepKind::cases: CaseFile{file}; break;
             case SweepKind::search: SearchFile{file}; break;

@@ -127,12 +127,12 @@ TEST_CASE("input rays follow the scene's inputs and the format") {
     const Scene shared = loaded(pinhole_scene);
     const Scene own = loaded(replaced(pinhole_scene, "\"shared\"", "\"own\""));
     const RayBlock stored = make_shared_rays(shared, 0, 4);
-    CHECK(same(input_rays(shared, 0, 4, binary32), stored));
-    CHECK(same(input_rays(shared, 0, 4, binary64), stored));
-    CHECK(same(input_rays(shared, 0, 4, binary16), round_block(stored, binary16)));
-    CHECK_FALSE(same(input_rays(shared, 0, 4, binary16), stored));
-    CHECK_FALSE(same(input_rays(own, 0, 4, binary64), stored));
-    CHECK(same(input_rays(own, 0, 4, binary64), round_rays(make_own_rays(own, 0, 4), binary64)));
+    CHECK(same(make_input_rays(shared, 0, 4, binary32), stored));
+    CHECK(same(make_input_rays(shared, 0, 4, binary64), stored));
+    CHECK(same(make_input_rays(shared, 0, 4, binary16), round_block(stored, binary16)));
+    CHECK_FALSE(same(make_input_rays(shared, 0, 4, binary16), stored));
+    CHECK_FALSE(same(make_input_rays(own, 0, 4, binary64), stored));
+    CHECK(same(make_input_rays(own, 0, 4, binary64), round_rays(make_own_rays(own, 0, 4), binary64)));
 }
 
 TEST_CASE("a block of rays is rounded to a narrower format, also at subnormals and overflow") {
@@ -161,7 +161,7 @@ TEST_CASE("a list with a sphereflake in columns holds the same numbers as its si
         const file::Scene scene = flake_scene(inputs);
         const bool own = scene.inputs == file::InputRounding::own;
         const auto ideal = scene.primitives();
-        const auto shared = shared_primitives(scene);
+        const auto shared = make_shared_primitives(scene);
         for (const char* name : {"f32", "f64", "fp16", "p20", "p30"}) {
             const FloatFormat f = find_format(name)->parameters;
             INFO(inputs << " in " << name);
@@ -224,7 +224,7 @@ TEST_CASE("a coordinate is lost when it becomes infinite, and a box when it has 
 
 TEST_CASE("the lengths of a scene are listed by their --set paths: primitives and eye") {
     const auto of = [](const std::string& text, const char* format) {
-        return unrepresentable_lengths(loaded(text), shape_of(format));
+        return find_unrepresentable_lengths(loaded(text), shape_of(format));
     };
     const std::string tiny = replaced(good_scene, "radius = 1", "radius = 1e-9");
     REQUIRE(tiny != good_scene);

@@ -254,18 +254,18 @@ TEST_CASE("a wrong file of cases is refused with its line") {
 
 TEST_CASE("the tables of a sweep file determine its kind") {
     const Scratch folder;
-    CHECK(sweep_kind(folder.write("a.toml", "[[axis]]\n")) == SweepKind::axes);
-    CHECK(sweep_kind(folder.write("e.toml", "[axis]\n")) == SweepKind::every_float);
-    CHECK(sweep_kind(folder.write("n.toml", "[axis]\nsteps = 3\n")) == SweepKind::axes);
-    CHECK(sweep_kind(folder.write("c.toml", "[[case]]\n")) == SweepKind::cases);
-    CHECK(sweep_kind(folder.write("s.toml", "[search]\n")) == SweepKind::search);
+    CHECK(read_sweep_kind(folder.write("a.toml", "[[axis]]\n")) == SweepKind::axes);
+    CHECK(read_sweep_kind(folder.write("e.toml", "[axis]\n")) == SweepKind::every_float);
+    CHECK(read_sweep_kind(folder.write("n.toml", "[axis]\nsteps = 3\n")) == SweepKind::axes);
+    CHECK(read_sweep_kind(folder.write("c.toml", "[[case]]\n")) == SweepKind::cases);
+    CHECK(read_sweep_kind(folder.write("s.toml", "[search]\n")) == SweepKind::search);
 }
 
 TEST_CASE("a misspelt table of a sweep file is reported as misspelt, for every kind of sweep") {
     const Scratch folder;
     const auto error = [&folder](const std::string& text) {
         const fs::path file = folder.write("s.toml", text);
-        return error_in(folder, [&] { static_cast<void>(sweep_kind(file)); });
+        return error_in(folder, [&] { static_cast<void>(read_sweep_kind(file)); });
     };
     CHECK(error(sweep_head + "[edge_serch]\n") == "s.toml:4:2: unknown key edge_serch; did you mean \"edge_search\"?");
     CHECK(error(sweep_head + "[serch]\n") == "s.toml:4:2: unknown key serch; did you mean \"search\"?");
@@ -274,7 +274,8 @@ TEST_CASE("a misspelt table of a sweep file is reported as misspelt, for every k
           "s.toml:4:2: unknown key sphere_rys; did you mean \"sphere_rays\"?");
     CHECK(error(sweep_head + "[[axis]]\n[spher]\n") == "s.toml:5:2: unknown key spher; did you mean \"sphere\"?");
     CHECK(error("schema = \"lostbits-scene/1\"\n[rays]\n").starts_with("s.toml:1:10: schema is"));
-    CHECK(sweep_kind(folder.write("s.toml", sweep_head + "[unheard_of]\n")) == SweepKind::axes);  // told by its reader
+    CHECK(read_sweep_kind(folder.write("s.toml", sweep_head + "[unheard_of]\n")) ==
+          SweepKind::axes);  // told by its reader
 }
 
 }  // namespace test_case_file

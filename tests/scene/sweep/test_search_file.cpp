@@ -50,7 +50,7 @@ TEST_CASE("a search has a range for every number of ray and primitive") {
     REQUIRE(box.ranges.size() == 12);
     CHECK(box.ranges[11].high == 3);
     CHECK(box.metric == "ulp_error");
-    CHECK((box.seed == 7 && box.starts == 3 && box.generations == 5));
+    CHECK((box.seed == 7 && box.start_count == 3 && box.generation_count == 5));
     const Ray<double> ray{{0, 0, 0}, {1, 0, 0}};
     CHECK(box.contains(ray, Box<double>{{0, 0, 0}, {1, 1, 1}}));
     CHECK(box.contains(ray, Box<double>{{2, 0, 0}, {2, 1, 1}}));  // a side of no thickness
@@ -61,10 +61,10 @@ TEST_CASE("a search has a range for every number of ray and primitive") {
 
 TEST_CASE("a search can draw free significands, draw rays at edges, and minimise") {
     const SearchFile plain = loaded_search(good_search);
-    CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.smallest || plain.hits_only));
+    CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.is_minimised || plain.hits_only));
     const SearchFile free =
         loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "exponents = [-20, 3]\nsmallest = true"));
-    CHECK((free.smallest && free.hits_only));
+    CHECK((free.is_minimised && free.hits_only));
     CHECK(loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "hits_only = true")).hits_only);
     REQUIRE(free.exponents);
     CHECK((free.exponents->low == -20 && free.exponents->high == 3));

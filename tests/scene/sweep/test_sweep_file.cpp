@@ -85,7 +85,7 @@ TEST_CASE("every axis in data has a label, and other labels follow from name and
          std::filesystem::recursive_directory_iterator(std::filesystem::path(LOSTBITS_DATA_DIR) / "sweeps")) {
         if (entry.path().extension() != ".toml") continue;
         INFO(entry.path().string());
-        switch (sweep_kind(entry.path())) {
+        switch (read_sweep_kind(entry.path())) {
             case SweepKind::axes:
                 for (const Axis& axis : SweepFile(entry.path(), LOSTBITS_DATA_DIR).axes) is_words(axis);
                 break;

@@ -135,7 +135,7 @@ BoxDistribution BoxDistribution::read(toml::TableReader table) {
         {"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
     BoxDistribution settings;
     settings.aim = table.optional_one_of<A>("aim", aims).value_or(settings.aim);
-    table.read("begin", settings.begin, rays::begins);
+    table.read("begin", settings.begin, rays::ray_start_names);
     settings.adjoining = table.optional_boolean("adjoining").value_or(false);
     table.read_number("size", settings.size, 0x1p-100, 0x1p+100);
     table.read_number("thickness", settings.thickness, 0, 1);

@@ -184,7 +184,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     // Origins and directions of the rays.
     SphereDistribution settings;
     settings.projection = table.optional_one_of<P>("projection", projections).value_or(settings.projection);
-    table.read("begin", settings.begin, rays::begins);
+    table.read("begin", settings.begin, rays::ray_start_names);
     if (settings.begin == rays::RayStart::on_other && settings.projection == P::point)
         table.fail_at("begin",
                       "is \"other\", but with projection = \"point\" the rays begin above the sphere itself; "
