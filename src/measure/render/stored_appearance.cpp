@@ -50,17 +50,17 @@ std::vector<Vec<S>> make_pixel_points(const Scene& scene, int y0, int y1) {
     return points;
 }
 
-template std::vector<Vec<double>> pixel_points<double>(const Scene&, int, int);
-template std::vector<Vec<Real>> pixel_points<Real>(const Scene&, int, int);
+template std::vector<Vec<double>> make_pixel_points<double>(const Scene&, int, int);
+template std::vector<Vec<Real>> make_pixel_points<Real>(const Scene&, int, int);
 
 std::vector<Vec<double>> make_input_pixel_points(const Scene& scene, int y0, int y1, const FloatFormat& format) {
     std::vector<Vec<double>> points;
     if (scene.inputs == scene::file::InputRounding::own) {
-        for (const auto& p : pixel_points<Real>(scene, y0, y1))
+        for (const auto& p : make_pixel_points<Real>(scene, y0, y1))
             points.push_back(
                 lift_numbers(p, [&format](const Real& x) { return scene::toml::round_to_format(x, format); }));
     } else {
-        for (const auto& p : pixel_points<double>(scene, y0, y1))
+        for (const auto& p : make_pixel_points<double>(scene, y0, y1))
             points.push_back(lift_numbers(p, [&format](double x) { return rounding::to_format(x, 0, format); }));
     }
     return points;
