@@ -104,7 +104,7 @@ table::Table<WorstRow> make_worst_table(const WorstRequest& request) {
         {"distance_radii", "r",
          "distance from the ray's origin to the centre of the sphere; missing for other primitives",
          or_missing(&W::distance)},
-        {"evaluations", "rays tried", &W::evaluations}};
+        {"evaluations", "rays tried", &W::evaluation_count}};
     columns.add_exact({"t", "t", "the form's answer, in its own unit",
                        [](const W& w) { return table::when(w.outcome != Outcome::false_miss, w.t); }});
     columns.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss",
