@@ -215,7 +215,7 @@ table::Table<CensusRow> make_census_table() {
     table.add(table::make_subject_columns(), &R::tested_form);
     table.add({{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
                 [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
-               {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
+               {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.ray_count; }},
                {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.outcomes[0]; }},
                {"double_hit",
                 "crossings that the form counts twice, not counting rays that truly meet two triangles at one t",
