@@ -169,7 +169,7 @@ ChoiceRequest make_request(const ChooseOptions& options, intersect::process::Sto
     if (!options.tolerance.empty())
         request.requirement.tolerance = selection::tolerance_in_units(options.tolerance, options.unit);
     else if (!options.unit.empty())
-        throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing");
+        throw InputError("--unit " + options.unit + ": is the unit of --tolerance, which is missing");
     request.times_single_rays = options.single;
     request.limit.stop = request.plan.stop = stop;
     if (options.quick) {

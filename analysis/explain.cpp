@@ -67,7 +67,7 @@ void require_several_rays(const selection::RayOptions& ray) {
                             option, option, option));
     if (ray.subject.empty())
         throw InputError(
-            "--ranges takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
+            "--ranges: takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
             "and give other ranges by --input-range NAME=LOW..HIGH");
 }
 
@@ -75,7 +75,7 @@ void require_several_rays(const selection::RayOptions& ray) {
 GivenRange parse_range(const std::string& text) {
     const auto equals = text.find('='), dots = text.find("..", equals == std::string::npos ? 0 : equals);
     if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
-        throw InputError("--input-range " + text + " is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
+        throw InputError("--input-range " + text + ": is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
     const std::string option = "--input-range " + text;
     const auto parse_end = [&](const std::string& number) {
         const auto x = selection::parse_numbers(number, {option.c_str(), "an end of a range; write a number", 1}, {});

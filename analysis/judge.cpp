@@ -140,7 +140,7 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOption
     if (options.forms.empty()) {
         if (!options.formats.empty())
             throw InputError(fmt::format(
-                "-f {} is for forms, and -i names none; for the format of the answers write --answer-format",
+                "-f {}: is for forms, and -i names none; for the format of the answers write --answer-format",
                 options.formats[0]));
         const bool has_external_forms = !common.external.plugins.empty() || !common.external.pipes.empty() ||
                                         !common.external.shaders.empty() || !common.external.functions.empty();

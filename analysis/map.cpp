@@ -275,7 +275,7 @@ MapMetrics select_map_metrics(const MapOptions& options, measure::metric::Metric
     if (!options.envelope) return selected;
     if (std::ranges::find(selected.drawn, measure::metric::find_metric("lost_bits")) == selected.drawn.end())
         throw InputError(
-            "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
+            "--envelope: marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
     selected.measured.push_back(measure::metric::find_metric("excess_bits"));
     return selected;
 }

@@ -111,8 +111,8 @@ std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& optio
 std::optional<Shape> shared_shape(const RayFileOptions& options, const std::optional<scene::file::Scene>& scene) {
     const auto shapes = scene ? scene->shapes() : options.primitives.shapes();
     if (scene && !options.primitives.empty())
-        throw InputError("--scene gives the primitives of all rays, but " + options.primitives.names() +
-                         " gives primitives too; leave out one of the two");
+        throw InputError("--scene " + options.scene + ": gives the primitives of all rays, but " +
+                         options.primitives.names() + " gives primitives too; leave out one of the two");
     return shapes.empty() ? std::nullopt : std::optional(shapes.front());
 }
 
@@ -174,7 +174,7 @@ intersect::Info answer_contract(const RayFileOptions& options, const scene::ray_
         if (option.is_about_answers && option.is_given(options) &&
             ray_file.layout().answer_kind() == scene::ray_file::AnswerKind::none)
             throw InputError(
-                fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
+                fmt::format("{} {}: is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
                             option.name, options.*option.value, ray_file.name(), option.name));
 
@@ -209,7 +209,7 @@ void add_requirement(const JudgeOptions& options, measure::metric::MetricSet& me
             metric_names.end(),
             {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(options.tolerance, options.unit))});
     else if (!options.unit.empty())
-        throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing; write both");
+        throw InputError("--unit " + options.unit + ": is the unit of --tolerance, which is missing; write both");
     for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) append_if_missing(metrics, m);
 }
 
