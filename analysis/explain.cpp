@@ -275,7 +275,8 @@ void add_given_ray_options(const shell::Command& command, selection::RayOptions&
                 "A case of a file of cases: NAME for its worst ray, or NAME:K for its ray K, counted from 0");
     command.add(
         "--convention", ray_options.convention,
-        "The right answer for a ray that touches: own (as the form states, default), closed (a hit), open (a miss)",
+        "The right answer for a ray that only touches: own (what the form states, default), closed (a hit), open (a "
+        "miss)",
         shell::one_of({"own", "closed", "open"}));
 }
 
@@ -314,12 +315,12 @@ void add_explain(const shell::Command& program, const CommonOptions& common) {
         program.add_command("explain", "Show the operations of a form on one ray, and which operation loses the bits");
     const auto options = std::make_shared<ExplainOptions>();
     options->ray_options.stop = common.stop;
+    command.add("-i,--form", options->form, "The form to explain").required();
+    command.add("-f,--format", options->format, "The format (default: f32)");
     add_scene_ray_options(command, options->ray_options);
     add_given_ray_options(command, options->ray_options);
     add_range_options(command, options->ranges);
 
-    command.add("-i,--form", options->form, "The form to explain").required();
-    command.add("-f,--format", options->format, "The format (default: f32)");
     command.add_list("--beside", options->forms_beside,
                      "Also try these forms on the ray, by name or glob (docs/explain.md)");
     command.add_set(options->ray_options.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");

@@ -401,7 +401,8 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     // Additional measurements and files.
     command.add(
         "--bits", options->bits_needed,
-        "Also draw the smallest precision, in significand bits, at which each pixel keeps this many correct bits",
+        "Correct bits of t that a hit must keep: also draw the smallest precision, in significand bits, at which each "
+        "pixel keeps them",
         shell::whole_number_between(1, 52));
     command.add("--exr", options->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");

@@ -80,17 +80,26 @@ const std::vector<RayFileOption>& ray_file_options() {
 }
 
 void add_ray_options(const shell::Command& command, RayFileOptions& options) {
-    command.add("--container", options.container, "Kind of the file (default: by its ending)",
-                shell::one_of({"auto", "csv", "npy", "raw"}));
-    command.add("--columns", options.columns,
-                "Names of the columns, if the file does not name them; with types for raw numbers: ox:f32,oy,oz");
-    command.add("--skip", options.skip, "Number of bytes in front of raw numbers");
-    command.add("--answer-format", options.answer_format,
-                "Format that the answers were computed in (default: the format of the file, f64 for CSV)");
+    const char* const heading = "Files of rays";
+    command
+        .add("--container", options.container, "Kind of the file (default: by its ending)",
+             shell::one_of({"auto", "csv", "npy", "raw"}))
+        .under_heading(heading);
+    command
+        .add("--columns", options.columns,
+             "Names of the columns, if the file does not name them; with types for raw numbers: ox:f32,oy,oz")
+        .under_heading(heading);
+    command.add("--skip", options.skip, "Number of bytes in front of raw numbers").under_heading(heading);
+    command
+        .add("--answer-format", options.answer_format,
+             "Number format that the answers were computed in (default: the format of the file, f64 for CSV)")
+        .under_heading(heading);
     options.primitives.add_to(command, "Primitives of all rays");
     for (const RayFileOption& option : ray_file_options())
-        command.add(option.name, options.*option.value, option.help,
-                    option.allowed_values.empty() ? shell::ValueRule() : shell::one_of(option.allowed_values));
+        command
+            .add(option.name, options.*option.value, option.help,
+                 option.allowed_values.empty() ? shell::ValueRule() : shell::one_of(option.allowed_values))
+            .under_heading(heading);
 }
 
 std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options,
