@@ -96,7 +96,7 @@ const intersect::table::Intersector* form_for_primitives(const intersect::table:
     if (subject.accepts(form.shapes())) return &form;
     if (subject.accepts(form.shapes().with_transform()) && is_primitive(form.shape) && !form.has_transform_method)
         return &intersect::transform::transformed_form(intersect::transform::default_transform_method(), form);
-    throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
+    throw NothingSelected(fmt::format("-i {}: is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));
 }
 
