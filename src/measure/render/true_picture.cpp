@@ -121,7 +121,7 @@ public:
         : band_(band),
           limit_(limit),
           has_light_(scene.appearance.light.has_value()),
-          points_(pixel_points<S>(scene, band.y0(), band.y0() + band.scanlines())) {
+          points_(make_pixel_points<S>(scene, band.y0(), band.y0() + band.scanlines())) {
         if constexpr (std::is_same_v<S, double>) {
             rays_ = scene::rays::make_shared_rays(scene, band.y0(), band.y0() + band.scanlines());
             primitives_ = scene::rays::make_shared_primitives(scene);
