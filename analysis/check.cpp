@@ -233,12 +233,12 @@ void require_compatible_options(const CheckOptions& options) {
         {"--report", options.report});
     if (options.is_timing() && (options.strict || options.writes_files() || options.annotations != "none"))
         throw InputError(
-            "--profile timing cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
+            "--profile timing: cannot be combined with --strict, --junit, --export-csv, --export-json, --report or "
             "--annotations: claims about time never fail a check, and no report shows them; leave "
             "out --profile timing, or the other options");
     if (options.prints_numbers_only && options.writes_files())
         throw InputError(
-            "--measure cannot be combined with --junit, --export-csv, --export-json or --report: it does not judge "
+            "--measure: cannot be combined with --junit, --export-csv, --export-json or --report: it does not judge "
             "claims; leave out --measure, or the other options");
 }
 

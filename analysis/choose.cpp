@@ -169,7 +169,7 @@ ChoiceRequest make_request(const ChooseOptions& options, intersect::process::Sto
     if (!options.tolerance.empty())
         request.requirement.tolerance = selection::tolerance_in_units(options.tolerance, options.unit);
     else if (!options.unit.empty())
-        throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing");
+        throw InputError("--unit " + options.unit + ": is the unit of --tolerance, which is missing");
     request.times_single_rays = options.single;
     request.limit.stop = request.plan.stop = stop;
     if (options.quick) {
@@ -311,11 +311,10 @@ void add_choose(const shell::Command& program, const CommonOptions& common) {
 
     // The requirement.
     command.add("--bits", options->bits,
-                "Require this many correct bits of t, for the share of the hits that --at gives",
+                "Correct bits of t that a form must keep, for the share of the hits that --at gives",
                 shell::number_between(0, 53));
     command.add("--tolerance", options->tolerance,
-                "Require that the hit point is at most this far from the true one, along the ray, in the scene's unit "
-                "of length");
+                "Distance that the hit point may be from the true one, along the ray, in the scene's unit of length");
     command.add("--unit", options->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
     command.add("--wrong", options->wrong, "Share of the rays that may be decided wrongly (default: 0)",
                 shell::number_between(0, 1));

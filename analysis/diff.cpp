@@ -200,10 +200,10 @@ MapSides parse_sides(const DiffOptions& options) {
     if (options.forms.empty()) return {options.a, options.b, {}, {}, options.formats};
     if (options.forms.size() != 2)
         throw InputError(
-            fmt::format("-i names {}, but diff compares two; name two, as in -i sphere.press -i sphere.unified",
+            fmt::format("-i: names {}, but diff compares two; name two, as in -i sphere.press -i sphere.unified",
                         text::count_with_noun(options.forms.size(), "form")));
     if (!options.b.empty())
-        throw InputError("-i compares two forms within one folder, but two folders are given; leave out " + options.b +
+        throw InputError("-i: compares two forms within one folder, but two folders are given; leave out " + options.b +
                          ", or leave out -i to compare the two folders");
     if (options.strict)
         throw InputError("--strict: compares files, but two forms are rows of the same file; leave out --strict");
@@ -226,10 +226,10 @@ void require_compatible_options(const DiffOptions& options, const MapSides& side
         throw InputError("--draw: --strict compares files and draws no maps; leave out --draw, or leave out --strict");
     if (!options.draw.empty() && !are_folders)
         throw InputError(
-            "--draw draws maps, which are folders, but files are compared; leave out --draw, or name two folders");
+            "--draw: draws maps, which are folders, but files are compared; leave out --draw, or name two folders");
     if (!options.formats.empty() && options.draw.empty())
         throw InputError(
-            "-f selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
+            "-f: selects the formats that --draw draws, but --draw is missing; add --draw FOLDER, or leave out -f");
 }
 
 ExitStatus run(const DiffOptions& options, const CommonOptions& common) {

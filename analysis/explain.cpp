@@ -67,7 +67,7 @@ void require_several_rays(const selection::RayOptions& ray) {
                             option, option, option));
     if (ray.subject.empty())
         throw InputError(
-            "--ranges takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
+            "--ranges: takes the ranges from the rays of a scene, or of a sweep at one step; name a scene or a sweep, "
             "and give other ranges by --input-range NAME=LOW..HIGH");
 }
 
@@ -75,7 +75,7 @@ void require_several_rays(const selection::RayOptions& ray) {
 GivenRange parse_range(const std::string& text) {
     const auto equals = text.find('='), dots = text.find("..", equals == std::string::npos ? 0 : equals);
     if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
-        throw InputError("--input-range " + text + " is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
+        throw InputError("--input-range " + text + ": is not a range; write NAME=LOW..HIGH, such as d.x=-0.5..0.5");
     const std::string option = "--input-range " + text;
     const auto parse_end = [&](const std::string& number) {
         const auto x = selection::parse_numbers(number, {option.c_str(), "an end of a range; write a number", 1}, {});
@@ -96,7 +96,7 @@ const intersect::table::Intersector* form_for_primitives(const intersect::table:
     if (subject.accepts(form.shapes())) return &form;
     if (subject.accepts(form.shapes().with_transform()) && is_primitive(form.shape) && !form.has_transform_method)
         return &intersect::transform::transformed_form(intersect::transform::default_transform_method(), form);
-    throw NothingSelected(fmt::format("{} is not a form for the primitives of {}; `lostbits list forms` lists all",
+    throw NothingSelected(fmt::format("-i {}: is not a form for the primitives of {}; `lostbits list forms` lists all",
                                       form.info->name, subject.id));
 }
 
@@ -275,7 +275,8 @@ void add_given_ray_options(const shell::Command& command, selection::RayOptions&
                 "A case of a file of cases: NAME for its worst ray, or NAME:K for its ray K, counted from 0");
     command.add(
         "--convention", ray_options.convention,
-        "The right answer for a ray that touches: own (as the form states, default), closed (a hit), open (a miss)",
+        "The right answer for a ray that only touches: own (what the form states, default), closed (a hit), open (a "
+        "miss)",
         shell::one_of({"own", "closed", "open"}));
 }
 
@@ -314,12 +315,12 @@ void add_explain(const shell::Command& program, const CommonOptions& common) {
         program.add_command("explain", "Show the operations of a form on one ray, and which operation loses the bits");
     const auto options = std::make_shared<ExplainOptions>();
     options->ray_options.stop = common.stop;
+    command.add("-i,--form", options->form, "The form to explain").required();
+    command.add("-f,--format", options->format, "The format (default: f32)");
     add_scene_ray_options(command, options->ray_options);
     add_given_ray_options(command, options->ray_options);
     add_range_options(command, options->ranges);
 
-    command.add("-i,--form", options->form, "The form to explain").required();
-    command.add("-f,--format", options->format, "The format (default: f32)");
     command.add_list("--beside", options->forms_beside,
                      "Also try these forms on the ray, by name or glob (docs/explain.md)");
     command.add_set(options->ray_options.set, "Change a number of the scene or the sweep first: march.hit_eps=1e-6");

@@ -140,7 +140,7 @@ std::vector<measure::evaluate::TestedForm> select_tested_forms(const JudgeOption
     if (options.forms.empty()) {
         if (!options.formats.empty())
             throw InputError(fmt::format(
-                "-f {} is for forms, and -i names none; for the format of the answers write --answer-format",
+                "-f {}: is for forms, and -i names none; for the format of the answers write --answer-format",
                 options.formats[0]));
         const bool has_external_forms = !common.external.plugins.empty() || !common.external.pipes.empty() ||
                                         !common.external.shaders.empty() || !common.external.functions.empty();
@@ -406,10 +406,12 @@ void add_judge(const shell::Command& program, const CommonOptions& common) {
                      "Metrics to measure, by name or glob (default: lost_bits); see `lostbits list metrics`");
     command.add("--by", options->by,
                 "Also write results for each value of a column of your own, such as depth or material");
-    command.add("--bits", options->bits, "Count the hits that keep fewer than this many correct bits of t",
+    command.add("--bits", options->bits, "Correct bits of t that a hit must keep: count the hits that keep fewer",
                 shell::number_between(0, 53));
-    command.add("--tolerance", options->tolerance,
-                "Count the hits farther than this from the true point, along the ray, in the scene's unit of length");
+    command.add(
+        "--tolerance", options->tolerance,
+        "Distance that a hit may be from the true point, along the ray, in the scene's unit of length: count the hits "
+        "that are farther");
     command.add("--unit", options->unit, "The scene's unit of length (m, km, cm, mm, um, in, ft), for --tolerance 1mm");
 
     // Outputs.

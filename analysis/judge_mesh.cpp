@@ -47,8 +47,8 @@ void require_options_of_kind(const JudgeOptions& options, AnswerKind kind, const
     for (const auto& [name, is_given] : first_hit_options)
         if (is_given)
             throw InputError(fmt::format(
-                "{0} is for files of first hits, but the column {1} of {2} says {3}; leave out {0} or the column", name,
-                column, options.file,
+                "{0}: is for files of first hits, but the column {1} of {2} says {3}; leave out {0} or the column",
+                name, column, options.file,
                 kind == AnswerKind::all_hits ? "that it lists all hits"
                 : kind == AnswerKind::inside ? "that its records are points"
                                              : "how often rays cross the surface"));
@@ -61,7 +61,7 @@ void require_options_of_kind(const JudgeOptions& options, AnswerKind kind, const
                                              {"--open-ends", options.open_ends != defaults.open_ends}})
             if (is_given)
                 throw InputError(
-                    fmt::format("{0} is about rays, but {1} has points; leave out {0}", name, options.file));
+                    fmt::format("{0}: is about rays, but {1} has points; leave out {0}", name, options.file));
 }
 
 std::shared_ptr<const scene::rays::StoredMesh> require_mesh(const std::optional<scene::file::Scene>& scene,

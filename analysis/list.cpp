@@ -324,14 +324,14 @@ ExitStatus run(const std::string& list_name, bool json, const CommonOptions& com
 
 void add_list(const shell::Command& program, const CommonOptions& common) {
     auto command = program.add_command("list",
-                                       "List forms (intersectors), labels of their operations, formats, metrics, "
-                                       "scenes, sweeps, claims, offset strategies, consistency checks, transforms, "
-                                       "bounding boxes, ray generators, devices");
+                                       "List what you can name: forms, formats, metrics, scenes, sweeps, claims and "
+                                       "seven other kinds of things");
     const auto list_name = std::make_shared<std::string>("forms");
     const auto json = std::make_shared<bool>(false);
     std::vector<std::string> names;
     for (const auto& [name, list] : lists) names.emplace_back(name);
-    command.add("WHAT", *list_name, "What to list (intersectors is another name of forms)", shell::one_of(names));
+    command.add("WHAT", *list_name, "What to list (default: forms, for which intersectors is another name)",
+                shell::one_of(names));
     command.add("--json", *json, "Print a JSON array");
     command.set_action([list_name, json, &common] { return run(*list_name, *json, common); });
 }

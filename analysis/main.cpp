@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <iterator>
 #include <new>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "analysis/selection/external.hpp"
 #include "analysis/selection/options.hpp"
@@ -106,15 +108,15 @@ constexpr const char* help_footer =
     "  5    done, but the truth of some rays could not be proved\n"
     "  70   lostbits has a fault; please report the command and the message\n"
     "  130  interrupted; finished files stay\n"
-    "Environment:\n"
+    "\nEnvironment:\n"
     "  CI                       set to anything: libraries run in processes of their own, see --isolate\n"
     "  LOSTBITS_DATA            the folder with scenes/, sweeps/ and claims/\n"
     "  LOSTBITS_DEVICE_MODULES  the folder in which the driver modules of --shader are looked for first\n"
     "  LOSTBITS_PLUGIN_PATH     folders to look for a --plugin in, with colons between them\n"
     "  NO_COLOR                 set to anything: no colours\n"
     "  TMPDIR                   the folder for temporary files, such as those of `-o -`\n"
-    "See also:\n"
-    "  `lostbits COMMAND --help`, `lostbits completion bash`, `lostbits manual | man -l -`\n";
+    "\nSee also:\n"
+    "  `lostbits COMMAND --help`, `lostbits completion --help`, `lostbits manual | man -l -`\n";
 
 /// Adds the commands that print completion scripts and the manual page.
 void add_shell(const shell::Command& program) {
@@ -157,7 +159,11 @@ void add_merge(const shell::Command& program, const CommonOptions& common) {
                      });
 }
 
-/// Adds the commands in the order of their names.
+/// The commands in the order in which the help lists them: first those that a new user needs. Others follow by name.
+constexpr std::string_view command_order[] = {"map",    "explain", "sweep",       "judge",   "choose", "trade",
+                                              "mend",   "offsets", "consistency", "render",  "diff",   "check",
+                                              "report", "merge",   "plugin",      "devices", "list"};
+
 void add_commands(const shell::Command& program, const CommonOptions& common) {
     std::vector<NamedCommand> commands{{"check", add_check},   {"choose", add_choose},   {"devices", add_devices},
                                        {"diff", add_diff},     {"explain", add_explain}, {"judge", add_judge},
@@ -165,7 +171,11 @@ void add_commands(const shell::Command& program, const CommonOptions& common) {
                                        {"merge", add_merge},   {"plugin", add_plugin},   {"report", add_report},
                                        {"shader", add_shader}, {"sweep", add_sweep},     {"trade", add_trade}};
     std::ranges::move(study_commands(), std::back_inserter(commands));
-    std::ranges::sort(commands, {}, &NamedCommand::name);
+    const auto position = [](const NamedCommand& command) {
+        return std::pair(std::ranges::find(command_order, command.name) - std::begin(command_order),
+                         std::string_view(command.name));
+    };
+    std::ranges::sort(commands, {}, position);
     for (const NamedCommand& command : commands) command.add(program, common);
 }
 

@@ -275,7 +275,7 @@ MapMetrics select_map_metrics(const MapOptions& options, measure::metric::Metric
     if (!options.envelope) return selected;
     if (std::ranges::find(selected.drawn, measure::metric::find_metric("lost_bits")) == selected.drawn.end())
         throw InputError(
-            "--envelope marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
+            "--envelope: marks pictures of lost_bits, but --metric does not draw them; add --metric lost_bits");
     selected.measured.push_back(measure::metric::find_metric("excess_bits"));
     return selected;
 }
@@ -401,7 +401,8 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     // Additional measurements and files.
     command.add(
         "--bits", options->bits_needed,
-        "Also draw the smallest precision, in significand bits, at which each pixel keeps this many correct bits",
+        "Correct bits of t that a hit must keep: also draw the smallest precision, in significand bits, at which each "
+        "pixel keeps them",
         shell::whole_number_between(1, 52));
     command.add("--exr", options->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");

@@ -54,7 +54,7 @@ measure::evaluate::TestedForm select_tested_form(const MendOptions& options, con
     if (can_test(form->shapes().with_transform()) && is_primitive(form->shape) && !form->has_transform_method)
         form = &intersect::transform::transformed_form(intersect::transform::default_transform_method(), *form);
     if (!can_test(form->shapes()))
-        throw NothingSelected(fmt::format("{} is not a form for the primitives of {}{}", options.form, id,
+        throw NothingSelected(fmt::format("-i {}: is not a form for the primitives of {}{}", options.form, id,
                                           selection::forms_advice({{form, *find_format(options.format)}}, can_test)));
     return {.form = form, .format = formats.front()};
 }

@@ -161,7 +161,7 @@ std::vector<std::string> select_devices(const std::vector<std::string>& names) {
         else if (std::ranges::find(intersect::device::device_kinds, name) != std::end(intersect::device::device_kinds))
             add(name);
         else
-            throw InputError(fmt::format("--device {} is not one of {}, all", name,
+            throw InputError(fmt::format("--device {}: is not one of {}, all", name,
                                          fmt::join(intersect::device::device_kinds, ", ")));
     }
     if (names.empty()) kinds.emplace_back();
@@ -199,9 +199,9 @@ void note_isolation(const ExternalOptions& options, bool measures_times) {
 ExternalForms load_external_forms(const ExternalOptions& options, int thread_count) {
     if ((options.isolate || options.in_process) && options.plugins.empty())
         throw InputError(
-            fmt::format("{} is for libraries; name one by --plugin", options.isolate ? "--isolate" : "--in-process"));
+            fmt::format("{}: is for libraries; name one by --plugin", options.isolate ? "--isolate" : "--in-process"));
     if (!options.devices.empty() && options.shaders.empty())
-        throw InputError("--device is for shaders; name one by --shader");
+        throw InputError("--device: is for shaders; name one by --shader");
     if (options.plugins.empty() && options.pipes.empty() && options.shaders.empty() && options.functions.empty())
         return {};
 

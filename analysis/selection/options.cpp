@@ -150,7 +150,7 @@ std::optional<output::map::BarRange> parse_range(const std::string& text,
     const auto hi = parse_finite(last);
     if (!lo || !hi || !(*lo < *hi))
         throw InputError(fmt::format(
-            "--range {} is not a range; write its ends in the unit of the metric, the lower one first, like 0:24",
+            "--range {}: is not a range; write its ends in the unit of the metric, the lower one first, like 0:24",
             text));
 
     // All drawn metrics must have the same kind of bar.

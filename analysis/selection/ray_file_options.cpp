@@ -80,17 +80,26 @@ const std::vector<RayFileOption>& ray_file_options() {
 }
 
 void add_ray_options(const shell::Command& command, RayFileOptions& options) {
-    command.add("--container", options.container, "Kind of the file (default: by its ending)",
-                shell::one_of({"auto", "csv", "npy", "raw"}));
-    command.add("--columns", options.columns,
-                "Names of the columns, if the file does not name them; with types for raw numbers: ox:f32,oy,oz");
-    command.add("--skip", options.skip, "Number of bytes in front of raw numbers");
-    command.add("--answer-format", options.answer_format,
-                "Format that the answers were computed in (default: the format of the file, f64 for CSV)");
+    const char* const heading = "Files of rays";
+    command
+        .add("--container", options.container, "Kind of the file (default: by its ending)",
+             shell::one_of({"auto", "csv", "npy", "raw"}))
+        .under_heading(heading);
+    command
+        .add("--columns", options.columns,
+             "Names of the columns, if the file does not name them; with types for raw numbers: ox:f32,oy,oz")
+        .under_heading(heading);
+    command.add("--skip", options.skip, "Number of bytes in front of raw numbers").under_heading(heading);
+    command
+        .add("--answer-format", options.answer_format,
+             "Number format that the answers were computed in (default: the format of the file, f64 for CSV)")
+        .under_heading(heading);
     options.primitives.add_to(command, "Primitives of all rays");
     for (const RayFileOption& option : ray_file_options())
-        command.add(option.name, options.*option.value, option.help,
-                    option.allowed_values.empty() ? shell::ValueRule() : shell::one_of(option.allowed_values));
+        command
+            .add(option.name, options.*option.value, option.help,
+                 option.allowed_values.empty() ? shell::ValueRule() : shell::one_of(option.allowed_values))
+            .under_heading(heading);
 }
 
 std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& options,
@@ -111,8 +120,8 @@ std::optional<scene::file::Scene> load_scene_of_rays(const RayFileOptions& optio
 std::optional<Shape> shared_shape(const RayFileOptions& options, const std::optional<scene::file::Scene>& scene) {
     const auto shapes = scene ? scene->shapes() : options.primitives.shapes();
     if (scene && !options.primitives.empty())
-        throw InputError("--scene gives the primitives of all rays, but " + options.primitives.names() +
-                         " gives primitives too; leave out one of the two");
+        throw InputError("--scene " + options.scene + ": gives the primitives of all rays, but " +
+                         options.primitives.names() + " gives primitives too; leave out one of the two");
     return shapes.empty() ? std::nullopt : std::optional(shapes.front());
 }
 
@@ -174,7 +183,7 @@ intersect::Info answer_contract(const RayFileOptions& options, const scene::ray_
         if (option.is_about_answers && option.is_given(options) &&
             ray_file.layout().answer_kind() == scene::ray_file::AnswerKind::none)
             throw InputError(
-                fmt::format("{} {} is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
+                fmt::format("{} {}: is about the answers of {}, which has none (columns hit or t); leave {} out: forms "
                             "are judged by their own contract",
                             option.name, options.*option.value, ray_file.name(), option.name));
 
@@ -209,7 +218,7 @@ void add_requirement(const JudgeOptions& options, measure::metric::MetricSet& me
             metric_names.end(),
             {"distance_error", fmt::format("tolerance:{}", tolerance_in_units(options.tolerance, options.unit))});
     else if (!options.unit.empty())
-        throw InputError("--unit " + options.unit + " is the unit of --tolerance, which is missing; write both");
+        throw InputError("--unit " + options.unit + ": is the unit of --tolerance, which is missing; write both");
     for (const measure::metric::Metric* m : select_metrics(metric_names, metric_set)) append_if_missing(metrics, m);
 }
 

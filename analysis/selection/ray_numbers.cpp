@@ -84,7 +84,8 @@ std::vector<Real> parse_numbers(const std::string& text, const NumberOption& wan
         }
         numbers.push_back(format ? Real(rounded) : *exact);
     }
-    if (numbers.size() != wanted.count) throw InputError(fmt::format("{} {} is not {}", option, text, wanted.expected));
+    if (numbers.size() != wanted.count)
+        throw InputError(fmt::format("{} {}: is not {}", option, text, wanted.expected));
     return numbers;
 }
 
@@ -138,7 +139,7 @@ std::pair<int, int> parse_size(const std::string& text) {
     };
     if (separator == std::string::npos || !parse_int(0, separator, width) ||
         !parse_int(separator + 1, text.size(), height)) {
-        throw InputError(fmt::format("--size {} is not a size; write width and height in pixels, like 512x384", text));
+        throw InputError(fmt::format("--size {}: is not a size; write width and height in pixels, like 512x384", text));
     }
     return {width, height};
 }
@@ -152,7 +153,7 @@ std::pair<int, int> parse_pixel(const std::string& text) {
     constexpr double max_index = 1e9;  // more than any picture has, less than an int
     if (indices.size() != 2 ||
         std::ranges::any_of(indices, [](double v) { return v != std::floor(v) || std::fabs(v) > max_index; }))
-        throw InputError("--pixel " + text + " is not a pixel; write its column and row, like 17,42");
+        throw InputError("--pixel " + text + ": is not a pixel; write its column and row, like 17,42");
     return {static_cast<int>(indices[0]), static_cast<int>(indices[1])};
 }
 
@@ -175,7 +176,7 @@ const Unit* find_unit(std::string_view name) {
 double tolerance_in_units(const std::string& text, const std::string& unit) {
     const Unit* const scene_unit = find_unit(unit);
     if (!unit.empty() && scene_unit == nullptr)
-        throw InputError(fmt::format("--unit {} is not a unit of length; write m, km, cm, mm, um, in or ft", unit));
+        throw InputError(fmt::format("--unit {}: is not a unit of length; write m, km, cm, mm, um, in or ft", unit));
 
     double length = 0;
     const char* const end = text.data() + text.size();
@@ -184,7 +185,7 @@ double tolerance_in_units(const std::string& text, const std::string& unit) {
     if (unit_text == text.data() || !(length >= 0) || !std::isfinite(length) ||
         (!text_unit.empty() && !find_unit(text_unit)))
         throw InputError(fmt::format(
-            "--tolerance {} is not a length; write a number of at least 0 in the scene's unit of length, such as "
+            "--tolerance {}: is not a length; write a number of at least 0 in the scene's unit of length, such as "
             "0.001, or with --unit a length such as 1mm",
             text));
 

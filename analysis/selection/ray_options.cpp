@@ -57,7 +57,7 @@ Ray<Real> parse_ray(const RayOptions& options) {
     const Ray<Real> ray{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
     if (!has_own_primitives && !measure::truth::is_valid(to_double_ray(ray)))
         throw InputError("--ray " + options.ray +
-                         " is not a ray; its numbers must be finite and its direction not zero");
+                         ": is not a ray; its numbers must be finite and its direction not zero");
     return ray;
 }
 
@@ -199,7 +199,7 @@ SelectedRay find_worst_of_sweep_or_cases(const RayOptions& options, TestedForm t
          {std::tuple{&options.pixel, "--pixel", "names one ray, but --worst searches all of them"},
           {&options.ray, "--ray", "names one ray, but --worst searches all of them"},
           {&options.variant, "--variant", "is for a scene, but a sweep names its own"}}) {
-        if (!given->empty()) throw InputError(fmt::format("{} {} {}; leave out {}", option, *given, why, option));
+        if (!given->empty()) throw InputError(fmt::format("{} {}: {}; leave out {}", option, *given, why, option));
     }
 
     const SweepChangeOptions changes{options.size, options.steps, options.set};
@@ -273,10 +273,10 @@ intersect::MarchConstants<double> parse_march(const std::vector<std::string>& se
 void require_range(const RayOptions& options, const Range<double>& range) {
     if (!(range.tmin >= 0 && range.tmin < HUGE_VAL))
         throw InputError("--tmin " + options.tmin +
-                         " is not a start of a range; write a finite t of at least 0, or leave --tmin out for 0");
+                         ": is not a start of a range; write a finite t of at least 0, or leave --tmin out for 0");
     if (std::isnan(range.tmax))
         throw InputError("--tmax " + options.tmax +
-                         " is not a t; write the t at which the ray ends, or leave --tmax out for a ray without end");
+                         ": is not a t; write the t at which the ray ends, or leave --tmax out for a ray without end");
     if (range.holds_any()) return;
     const std::string text = (options.tmin.empty() ? "" : "--tmin " + options.tmin + " ") + "--tmax " + options.tmax +
                              (options.open_ends.empty() ? "" : " --open-ends " + options.open_ends);
@@ -362,7 +362,7 @@ void require_compatible(const RayOptions& options) {
     for (const Rule& rule : rules) {
         if (!rule.is_given || rule.is_allowed) continue;
         const bool needs_other_subject = has_own_primitives && std::string_view(rule.needs).starts_with("a scene");
-        throw InputError(fmt::format("{} needs {}; {}, or leave {} out", rule.option, rule.needs,
+        throw InputError(fmt::format("{}: needs {}; {}, or leave {} out", rule.option, rule.needs,
                                      needs_other_subject ? "name it in place of the options of primitives" : "add it",
                                      rule.option));
     }
@@ -402,7 +402,7 @@ SelectedRay find_ray(const RayOptions& options, const TestedForm& tested_form, c
     judged_row.touching = scene::sweep::convention_named(options.convention);
     if (!options.steps.empty())
         throw InputError("--steps " + options.steps +
-                         " is for the worst ray of a sweep; add --worst, or leave --steps out");
+                         ": is for the worst ray of a sweep; add --worst, or leave --steps out");
     SelectedRay found = options.subject.empty() ? make_ray_from_options(options, tested_form)
                                                 : find_ray_in_scene(options, judged_row, data);
     found.ray.set_touching(judged_row.touching);

@@ -150,7 +150,7 @@ void require_no_misplaced_options(const RayFileOptions& options, const std::vect
 
     const auto refuse = [](const auto& misplaced_options, const std::string& why, const std::string& remedy) {
         for (const auto& [name, is_given] : misplaced_options) {
-            if (is_given) throw InputError(fmt::format("{0} {1}; leave out {0}{2}", name, why, remedy));
+            if (is_given) throw InputError(fmt::format("{0}: {1}; leave out {0}{2}", name, why, remedy));
         }
     };
     if (are_ray_files(options, subjects))

@@ -175,10 +175,10 @@ void require_argument_kind(const std::string& word, const ArgumentKinds& row, co
     if (*kind == Kind::results && std::ranges::find(row.kinds, Kind::claims) != row.kinds.end()) return;
     const std::string other = fmt::format(fmt::runtime(row_of(*kind).command), text::shell_word(word));
     if (const auto options = options_taking(row, *kind); !options.empty())
-        throw InputError(fmt::format("{} is {}, which `{}` takes with {}; {}, or try `{}`", word, row_of(*kind).noun,
+        throw InputError(fmt::format("{}: is {}, which `{}` takes with {}; {}, or try `{}`", word, row_of(*kind).noun,
                                      command, enumerated_or(options),
                                      options.size() > 1 ? "add one of them" : "add that", other));
-    throw InputError(fmt::format("{} is {}, and {} takes {}; try `{}`", word, row_of(*kind).noun,
+    throw InputError(fmt::format("{}: is {}, and {} takes {}; try `{}`", word, row_of(*kind).noun,
                                  row.argument[0] == '-' ? std::string(row.argument) : "`" + command + "`",
                                  nouns_of(row.kinds), other));
 }

@@ -23,7 +23,7 @@ std::vector<long long> read_steps(const std::string& text) {
             !part.empty() && part.size() < 10 && std::ranges::all_of(part, [](char c) { return c >= '0' && c <= '9'; });
         if (!is_number)
             throw InputError(fmt::format(
-                "--steps {} is not a number of steps; write one for all axes or one for each: 40 or 40,20", text));
+                "--steps {}: is not a number of steps; write one for all axes or one for each: 40 or 40,20", text));
         steps.push_back(std::stoll(part));
         begin = end + 1;
     }

@@ -75,7 +75,7 @@ Share parse_share(const std::string& text) {
     const auto count =
         slash == std::string::npos ? std::nullopt : whole_number(std::string_view(text).substr(slash + 1));
     if (!number || !count)
-        throw InputError(fmt::format("--shard {} is not a shard; write K/N, as in --shard 3/64", text));
+        throw InputError(fmt::format("--shard {}: is not a shard; write K/N, as in --shard 3/64", text));
     if (*count < 1 || *count > Share::max_count)
         throw InputError(fmt::format("--shard {}: a run is divided into 1 to {} shards", text, Share::max_count));
     if (*number < 1 || *number > *count)

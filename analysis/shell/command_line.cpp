@@ -25,7 +25,7 @@ std::string not_one_of_text(const std::string& option, const std::string& value,
                             const std::vector<std::string>& known) {
     const auto suggestion = text::closest(value, known);
     // The name of a positional argument, such as WHAT, means nothing to a user.
-    const std::string subject = option.starts_with('-') ? option + " " + value : "\"" + value + "\"";
+    const std::string subject = option.starts_with('-') ? option + " " + value + ":" : "\"" + value + "\"";
     return fmt::format("{} is not one of {}{}", subject, fmt::join(known, ", "),
                        suggestion ? "; did you mean \"" + *suggestion + "\"?" : "");
 }
@@ -36,7 +36,7 @@ ValueRule range_rule(T low, T high) {
     const auto problem_of = [=](const std::string& option, const std::string& value) {
         T number{};
         const bool fits = CLI::detail::lexical_cast(value, number) && low <= number && number <= high;
-        return fits ? "" : fmt::format("{} {} is not a number from {} to {}", option, value, text(low), text(high));
+        return fits ? "" : fmt::format("{} {}: is not a number from {} to {}", option, value, text(low), text(high));
     };
     return {problem_of, fmt::format("{} in [{} - {}]", CLI::detail::type_name<T>(), text(low), text(high))};
 }
@@ -162,7 +162,7 @@ template <class T>
 Option Command::add(const std::string& names, T& target, const std::string& help, const ValueRule& check) const {
     if constexpr (std::is_unsigned_v<T>) {  // the parser reads -1 as the largest number
         const auto refuse_minus = [](const std::string& option, const std::string& value) {
-            return value.starts_with('-') ? fmt::format("{} {} is not a whole number of at least 0", option, value)
+            return value.starts_with('-') ? fmt::format("{} {}: is not a whole number of at least 0", option, value)
                                           : "";
         };
         return set_check(app_->add_option(names, target, help), check.problem_of ? check : ValueRule{refuse_minus, ""});
@@ -353,7 +353,7 @@ void require_different_files(const std::vector<NamedFile>& files, const NamedFil
         if (file.empty()) continue;
         const auto path = absolute_path(file);
         if (!folder_path.empty() && path.parent_path() == folder_path)
-            throw InputError(fmt::format("{} {} is in the folder of {} {}; choose another folder", option, file,
+            throw InputError(fmt::format("{} {}: is in the folder of {} {}; choose another folder", option, file,
                                          folder.option, folder.file));
         const auto [entry, is_new] = option_of_path.emplace(path, option);
         if (!is_new)

@@ -61,11 +61,8 @@ std::string required_options_text(const std::vector<OptionRow>& options) {
 
 /// Lists the options by their headings, in the order of the headings.
 std::string option_sections(const std::vector<OptionRow>& options) {
-    std::vector<std::string> headings{""};
-    for (const OptionRow& option : options)
-        if (std::ranges::find(headings, option.heading) == headings.end()) headings.push_back(option.heading);
     std::string text;
-    for (const std::string& heading : headings) {
+    for (const std::string& heading : headings_of(options)) {
         text += "\n" + (heading.empty() ? "Options" : heading) + ":\n";
         for (const OptionRow& option : options)
             if (option.heading == heading) text += help_line(option_text(option), option.help);

@@ -34,12 +34,11 @@ std::string heading_text(const OptionRow& option) {
 
 std::string paragraphs(const std::vector<OptionRow>& options) {
     std::string text;
-    std::string previous_heading;
-    for (const OptionRow& option : options) {
-        if (option.heading != previous_heading && !option.heading.empty())
-            text += ".PP\n" + escape_roff(option.heading) + ":\n";
-        previous_heading = option.heading;
-        text += ".TP\n" + heading_text(option) + "\n" + escape_roff(option.help) + "\n";
+    for (const std::string& heading : headings_of(options)) {
+        if (!heading.empty()) text += ".PP\n" + escape_roff(heading) + ":\n";
+        for (const OptionRow& option : options)
+            if (option.heading == heading)
+                text += ".TP\n" + heading_text(option) + "\n" + escape_roff(option.help) + "\n";
     }
     return text;
 }

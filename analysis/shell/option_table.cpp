@@ -177,6 +177,13 @@ std::vector<std::string> CommandRow::command_names() const {
     return names;
 }
 
+std::vector<std::string> headings_of(const std::vector<OptionRow>& options) {
+    std::vector<std::string> headings{""};
+    for (const OptionRow& option : options)
+        if (std::ranges::find(headings, option.heading) == headings.end()) headings.push_back(option.heading);
+    return headings;
+}
+
 std::vector<OptionRow> common_options(const Command& program) {
     std::vector<OptionRow> options, arguments;
     add_options(program, options, arguments);

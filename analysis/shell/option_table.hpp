@@ -36,6 +36,9 @@ struct CommandRow {
     [[nodiscard]] std::vector<std::string> command_names() const;
 };
 
+/// The headings of the options: the empty one, then the others in the order in which they first occur.
+std::vector<std::string> headings_of(const std::vector<OptionRow>& options);
+
 /// The options that every command takes.
 std::vector<OptionRow> common_options(const Command& program);
 /// The commands of the program, or the subcommands of a command; with hidden ones if `includes_hidden`.

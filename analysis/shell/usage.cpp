@@ -43,7 +43,7 @@ std::string unknown_option(const Command& program, const std::string& word) {
         word.substr(word.find_first_not_of('-'), word.find('=') - word.find_first_not_of('-'));
     const auto suggestion = text::closest(bare_name, names);
     const std::string hint = usage_elsewhere(program, bare_name);
-    return fmt::format("{} is not an option of `{}`{}", word, program.command_path(),
+    return fmt::format("{}: is not an option of `{}`{}", word, program.command_path(),
                        !hint.empty() ? "; try `" + hint + "`"
                        : suggestion  ? "; did you mean --" + *suggestion + "?"
                                      : "");
@@ -55,10 +55,10 @@ std::string missing_text(const Option& option) {
     if (noun.size() > 1 && std::islower(static_cast<unsigned char>(noun[1])) != 0)
         noun[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(noun[0])));
     else if (noun.starts_with("A ")) noun[0] = 'a';
-    if (option.is_argument()) return fmt::format("{} is missing; give {}", option.name(), noun);
+    if (option.is_argument()) return fmt::format("{}: is missing; give {}", option.name(), noun);
     if (std::ranges::count(option.short_names(), "i") != 0)
-        return fmt::format("give -i NAME, {}; `lostbits list forms` names them", noun);
-    return fmt::format("give --{}, {}", option.long_names().front(), noun);
+        return fmt::format("-i: is missing; give {}; `lostbits list forms` lists all", noun);
+    return fmt::format("--{}: is missing; give {}", option.long_names().front(), noun);
 }
 
 /// A message about a command line without a command, such as `lostbits plugin`.
@@ -77,7 +77,7 @@ std::string value_missing_text(const std::string& name, std::string help) {
         if (name == "--" + std::string(shape_row.name)) help = option_placeholder(shape_row.shape);
     constexpr std::string_view heading = "Formats: ";
     if (help.starts_with(heading)) help.erase(0, heading.size());
-    return fmt::format("{} needs a value: {}", name, help);
+    return fmt::format("{}: needs a value: {}", name, help);
 }
 
 /// A message about the first word that no option or argument takes.
@@ -134,15 +134,21 @@ std::string describe_error(const CommandLine& program, const CommandLineError& e
         return std::regex_replace(part[1].str(), std::regex(","), ", ") + ": give only one of them";
     if (matches(CommandLineError::missing, "(.*) is required")) return missing_text(option());
     if (matches(CommandLineError::unreadable_value, "Could not convert: (.*) = (.*)"))
-        return fmt::format("{} {} is not a {}number, or is too large", part[1].str(), part[2].str(),
+        return fmt::format("{} {}: is not a {}number, or is too large", part[1].str(), part[2].str(),
                            option().type().find("INT") == std::string::npos ? "" : "whole ");
     if (matches(CommandLineError::wrong_count, "(.*?): [0-9]+ required .* missing"))
         return value_missing_text(part[1].str(), option().help());
     if (matches(CommandLineError::wrong_count, "(.*?): At Most 1 required but received ([0-9]+)"))
-        return fmt::format("{} is given {} times but takes one value{}", part[1].str(), part[2].str(),
+        return fmt::format("{}: is given {} times but takes one value{}", part[1].str(), part[2].str(),
                            part[1] == "--answer-format" && command.option("-f")
                                ? "; for the formats of the forms of -i write -f"
                                : "");
+    constexpr const char* names = R"((--?[a-z-]+|[A-Z]+) (requires|excludes) (--?[a-z-]+|[A-Z]+))";
+    if (matches(CommandLineError::finished_text, names))
+        return fmt::format(fmt::runtime(part[2] == "requires" ? "{0}: needs {1}; add {1}, or leave out {0}"
+                                                              : "{0}: cannot be combined with {1}; leave out one of "
+                                                                "them"),
+                           part[1].str(), part[3].str());
     return text;
 }
 

@@ -29,6 +29,11 @@ def _random(shape: tuple[int, ...], which: int = 0) -> Any:
     return np.roll(_numbers, 4111 * which)[:int(np.prod(many))].reshape(many).astype(tape().dtype)
 
 
+def _random_vectors(length: int, which: int = 0) -> Any:
+    """64 random vectors, for sums of a single one: the sum of one alone has the same bits in several orders."""
+    return _random((64, length), which)
+
+
 _plus: Callable[[Any, Any], Traced] = lambda x, y: elementwise(np.add, [x, y])
 
 
@@ -69,6 +74,9 @@ def _reduce(ufunc: Any, array: Any, axis: Any = None, keepdims: Any = False, dty
     combine: Any = lambda x, y: elementwise(ufunc, [x, y])
     if name == "add":
         def ask() -> tuple[Any, list[Any]]:
+            if array.ndim == 1:
+                vectors = _random_vectors(len(parts))
+                return np.array([np.add.reduce(v) for v in vectors]), list(vectors.T)
             numbers = _random(array.shape)
             return np.add.reduce(numbers, axis=at), [numbers.take(k, at) for k in range(len(parts))]
         made = _order(("sum", array.shape, at, tape().dtype), len(parts), ask)(parts, combine)
@@ -126,6 +134,9 @@ def _product(function: Any, a: Any, b: Any) -> Traced:
                    "np.einsum('ij,ij->i', a, b)")
 
     def ask() -> tuple[Any, list[Any]]:
+        if a.ndim == 1:  # BLAS sums single vectors: OpenBLAS adds products of floats in double
+            x, y = _random_vectors(len(a)), _random_vectors(len(b), 1)
+            return np.array([function(v, w) for v, w in zip(x, y)]), list((x * y).T)
         x, y = _random(a.shape), _random(b.shape, 1)
         return function(x, y), [x[..., k] * y[k] for k in range(len(y))]
 

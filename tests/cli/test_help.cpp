@@ -89,7 +89,8 @@ TEST_CASE("the help of every command has two examples, its own options and one f
     CHECK(has(must("map --help").out, "--pixels none|csv"));
     CHECK(has(must("--help").out, "--progress auto|bar|none"));
     for (const char* section : {"Exit status:", "Environment:"}) CHECK(has(must("--help").out, section));
-    CHECK(has(must("judge --help").out, "\nPrimitives of all rays (may be repeated; "));
+    for (const char* section : {"\nFiles of rays:\n", "\nPrimitives of all rays (may be repeated; "})
+        CHECK(has(must("judge --help").out, section));
 }
 
 TEST_CASE("the examples in the help run") {
@@ -246,7 +247,7 @@ TEST_CASE("a file of another kind is refused with its kind and the command that 
             const auto r = run(typed, scratch.path());
             CHECK(r.code == 2);
             CHECK(r.out.empty());
-            CHECK(has(r.err, file + " " + kind.first));
+            CHECK(has(r.err, file + ": " + kind.first));
             CHECK(has(r.err, "try `" + kind.second));
             for (const char* edit : {"schema", "valid TOML", "write "}) CHECK_FALSE(has(r.err, edit));
             CHECK(lines_of(r.err).size() == 1);

@@ -148,9 +148,9 @@ TEST_CASE("a missing TMPDIR is named") {
 
 TEST_CASE("a line break in an argument is shown on one line") {
     const Inputs inputs;
-    inputs.refused("list forms --isa '5\nx'", "--isa 5\\nx is not one of scalar, 128, 256, 512");
+    inputs.refused("list forms --isa '5\nx'", "--isa 5\\nx: is not one of scalar, 128, 256, 512");
     inputs.refused("map 'near\nx' -o out", "no scene \"near\\nx\" in ");
-    inputs.refused("map mine.toml -j '4\n' -o out", "4\\n is not a number from 1 to 1024");
+    inputs.refused("map mine.toml -j '4\n' -o out", "4\\n: is not a number from 1 to 1024");
     inputs.refused("map mine.toml --set 'a\nb=1' -o out", "--set a\\nb=1: unknown key a\\nb");
 }
 

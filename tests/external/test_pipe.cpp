@@ -1,5 +1,6 @@
 // Programs behind pipes.
 #include <array>
+#include <fstream>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -150,8 +151,9 @@ serve({ name: "js.counts", shape: "triangle", roots: "first" }, () => { ++rays; 
 
 TEST_CASE("pipe: plugin serve refuses malformed requests", "[external]") {
     const Scratch folder;
-    const Outcome o = run(
-        "plugin serve " + std::string(LOSTBITS_LIBRARIES) + "/schoolbook.so </etc/services >/dev/null", folder.path());
+    std::ofstream(folder.path() / "request") << std::string(4096, '#');
+    const Outcome o =
+        run("plugin serve " + std::string(LOSTBITS_LIBRARIES) + "/schoolbook.so <request >/dev/null", folder.path());
     CHECK(o.code == 2);
     CHECK(has(o.err, "is not a request of lostbits-pipe/1"));
 }

@@ -25,18 +25,30 @@ def marks(value):
     return near
 
 
+def dot(v, w):
+    """Written out, since np.dot rounds as the BLAS of this numpy does."""
+    return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
+
+
 def of_one(o, d, centre, radius):
     f = o - centre
-    a, b, c = np.dot(d, d), np.dot(f, d), np.dot(f, f) - radius * radius
+    a, b, c = dot(d, d), dot(f, d), dot(f, f) - radius * radius
     disc = b * b - a * c
     return (-b - np.sqrt(disc)) / a if disc >= 0 else None
 
 
-def of_one_masked(o, d, centre, radius):
+def of_one_masked(o, d, centre, radius, dot=dot):
     f = o - centre
-    a, b, c = np.dot(d, d), np.dot(f, d), np.dot(f, f) - radius * radius
+    a, b, c = dot(d, d), dot(f, d), dot(f, f) - radius * radius
     disc = b * b - a * c
     return np.where(disc < 0, o.dtype.type(np.nan), (-b - np.sqrt(disc)) / a)
+
+
+def dot_adds_in_float():
+    """False with OpenBLAS, which adds the products of floats in double."""
+    x, y = np.random.default_rng(1).random((2, 64, 3)).astype(F)
+    p = x * y
+    return np.array_equal([np.dot(v, w) for v, w in zip(x, y)], p[:, 0] + p[:, 1] + p[:, 2])
 
 
 def small():
@@ -80,6 +92,16 @@ class OneRay(unittest.TestCase):
         self.assertEqual(int(m.summary["agree_hit"][0]), int(lb.map(small(), "sphere.unified", "f32", progress=False)
                                                              .summary["agree_hit"][0]))
         self.assertIn("c = dot(o - centre, o - centre)", " ".join(str(x) for x in set(m.pixels["f", "f32"].culprit.ravel())))
+
+    def test_the_dot_of_numpy_is_followed_or_refused_with_advice(self):
+        def by_numpy(o, d, centre, radius):
+            return of_one_masked(o, d, centre, radius, np.dot)
+        if dot_adds_in_float():
+            m = lb.map(small(), form(by_numpy, per_ray=True), "f32", ["culprit"], progress=False)
+            self.assertEqual(int(m.summary["rays"][0]), 48 * 32)
+        else:
+            with self.assertRaisesRegex(lb.Unfollowed, r"test_functions.py:\d+: numpy adds 3 .*write the sum out with \+"):
+                lb.map(small(), form(by_numpy, per_ray=True), "f32", ["culprit"], progress=False)
 
     def test_none_is_a_miss_and_the_branch_is_named(self):
         self.assertEqual(bits_of(lb.map(small(), form(of_one, per_ray=True), "f32", progress=False)),

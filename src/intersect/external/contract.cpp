@@ -140,7 +140,7 @@ void require_valid(const Contract& contract, const std::string& library) {
     require_line(contract.source, "source", message_prefix);
     if (process::FloatingPointState ignored; !process::FloatingPointState::parse_differences(contract.state, ignored))
         throw InputError(message_prefix +
-                         ": state has an unknown value; leave it out if the processor computes as IEEE 754 asks");
+                         ": state has an unknown value; leave it out if the processor computes as IEEE 754 requires");
     if (contract.bits != 32 && contract.bits != 64)
         throw InputError(message_prefix + ": format is " + std::to_string(contract.bits) +
                          "; it must be 32 (float) or 64 (double)");

@@ -141,7 +141,7 @@ void require_standard(const char* what) {
     const FloatingPointState now = FloatingPointState::current();
     if (now == FloatingPointState::standard()) return;
     throw Error(ExitStatus::internal,
-                std::string(what) + ": this thread does not compute as IEEE 754 asks (" + now.differences() +
+                std::string(what) + ": this thread does not compute as IEEE 754 requires (" + now.differences() +
                     "), so nothing can be proved; some code changed that and did not restore it. To "
                     "find that code, leave out --plugin and LD_PRELOAD");
 }

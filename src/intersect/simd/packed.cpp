@@ -21,11 +21,13 @@ struct RowsOfWidth {
     std::vector<RegisterKernels> packs;
     std::vector<PackedFormKernels> rows;
 
-    RowsOfWidth(Isa isa, RawFormKernels* (*fill_first)(RawFormKernels*),
-                RawFormKernels* (*fill_second)(RawFormKernels*)) {
+    explicit RowsOfWidth(Isa isa) {
+        using Fill = RawFormKernels*(RawFormKernels*);
+        constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_packed, <FirstForms>);
+        constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_packed, <SecondForms>);
         const auto forms = table::catalogue();
         std::vector<RawFormKernels> raw(forms.size());
-        fill_second(fill_first(raw.data()));
+        fill_second.at(isa)(fill_first.at(isa)(raw.data()));
         for (const RawFormKernels& row : raw) packs.emplace_back(row, bytes_of(isa));
         for (std::size_t i = 0; i < forms.size(); ++i)
             rows.emplace_back(forms[i].info, packs[i].f32.table_kernel(), packs[i].f64.table_kernel());
@@ -116,11 +118,8 @@ Isa register_isa(Isa isa) {
 std::span<const PackedFormKernels> all_packed_kernels(Isa isa) {
     if (!is_available(isa)) return {};
     if (isa == Isa::scalar) return scalar_rows();
-    using Fill = RawFormKernels*(RawFormKernels*);
-    static constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_packed, <FirstForms>);
-    static constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_packed, <SecondForms>);
     return with_width(isa, []<Isa width>() -> std::span<const PackedFormKernels> {
-        static const RowsOfWidth of_width(width, fill_first.at(width), fill_second.at(width));
+        static const RowsOfWidth of_width(width);
         return of_width.rows;
     });
 }

@@ -58,11 +58,13 @@ std::span<const ManyFormKernels> scalar_many_rows() {
 }
 
 /// The rows for a register width. The functions were compiled for that width.
-std::vector<ManyFormKernels> rows_for_width(Isa isa, RawManyFormKernels* (*fill_first)(RawManyFormKernels*),
-                                            RawManyFormKernels* (*fill_second)(RawManyFormKernels*)) {
+std::vector<ManyFormKernels> rows_for_width(Isa isa) {
+    using Fill = RawManyFormKernels*(RawManyFormKernels*);
+    constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_many, <FirstForms>);
+    constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_many, <SecondForms>);
     const auto scalar = scalar_many_rows();
     std::vector<RawManyFormKernels> raw(scalar.size());
-    fill_second(fill_first(raw.data()));
+    fill_second.at(isa)(fill_first.at(isa)(raw.data()));
     std::vector<ManyFormKernels> rows(scalar.begin(), scalar.end());
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (rows[i].f32) rows[i].f32 = {raw[i].f32, bytes_of(isa) / sizeof(float)};
@@ -98,11 +100,8 @@ ManyFormKernels many_kernels(const table::Intersector& form) {
 std::span<const ManyFormKernels> all_many_kernels(Isa isa) {
     if (all_packed_kernels(isa).empty()) return {};
     if (isa == Isa::scalar) return scalar_many_rows();
-    using Fill = RawManyFormKernels*(RawManyFormKernels*);
-    static constexpr FunctionOfWidth<Fill> fill_first = LOSTBITS_OF_EACH_WIDTH(fill_many, <FirstForms>);
-    static constexpr FunctionOfWidth<Fill> fill_second = LOSTBITS_OF_EACH_WIDTH(fill_many, <SecondForms>);
     return with_width(isa, []<Isa width>() -> std::span<const ManyFormKernels> {
-        static const auto rows = rows_for_width(width, fill_first.at(width), fill_second.at(width));
+        static const auto rows = rows_for_width(width);
         return rows;
     });
 }

@@ -140,8 +140,8 @@ private:
         switch (w.op) {
             // Given numbers. An input is read in T, whatever the format of its operation.
             case TapeOp::input:
-                if constexpr (std::is_same_v<N, T>) return input(static_cast<std::size_t>(w.operands[0]));
-                else return Wider<T>::widen(input(static_cast<std::size_t>(w.operands[0])));
+                if constexpr (std::is_same_v<N, T>) return input(w.operands[0]);
+                else return Wider<T>::widen(input(w.operands[0]));
             case TapeOp::constant:
                 if constexpr (std::is_same_v<N, T>)
                     if (!constants_.empty()) return constants_[&w - formula_.operations.data()];

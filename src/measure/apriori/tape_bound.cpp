@@ -38,41 +38,39 @@ public:
         for (std::size_t k = 0; k < box.size(); ++k)
             if (!box[k].is_point()) variable_inputs_.push_back(k);
         for (NodeId i = 0; i < tape.size(); ++i)
-            if (needed[index_of(i)]) enclose_node(i);
+            if (needed[i]) enclose_node(i);
     }
 
     [[nodiscard]] const std::vector<EnclosedNode>& nodes() const { return nodes_; }
 
 private:
-    static std::size_t index_of(NodeId i) { return static_cast<std::size_t>(i); }
-
     [[nodiscard]] EnclosedNode enclose_with(NodeId i, const std::vector<EnclosedNode>& operand_nodes) const {
         NodeContext context{tape_[i], {}, tape_.format_of(i), tape_.format_of(i)};
         const auto operands = tape_.operands_of(i);
-        for (std::size_t k = 0; k < operands.size(); ++k) context.operands[k] = &operand_nodes[index_of(operands[k])];
+        for (std::size_t k = 0; k < operands.size(); ++k) context.operands[k] = &operand_nodes[operands[k]];
         if (tape_[i].op == TapeOp::convert) context.operand_format = tape_.format_of(operands[0]);
         return enclose(context);
     }
 
     void enclose_node(NodeId i) {
         if (tape_[i].op == TapeOp::input) return enclose_input_node(i);
-        EnclosedNode& node = nodes_[index_of(i)] = enclose_with(i, nodes_);
-        unrounded_[index_of(i)] = enclose_with(i, unrounded_);
-        middle_[index_of(i)] = enclose_with(i, middle_);
-        drop_rounding(middle_[index_of(i)]);
+        EnclosedNode& node = nodes_[i] = enclose_with(i, nodes_);
+        unrounded_[i] = enclose_with(i, unrounded_);
+        middle_[i] = enclose_with(i, middle_);
+        drop_rounding(middle_[i]);
         if (node.is_known && !is_decision(tape_[i].op)) narrow_node(i, node);
-        unrounded_[index_of(i)].is_known = node.is_known;
-        unrounded_[index_of(i)].exact = node.exact;
-        unrounded_[index_of(i)].exact_decision = node.exact_decision;
-        drop_rounding(unrounded_[index_of(i)]);
+        unrounded_[i].is_known = node.is_known;
+        unrounded_[i].exact = node.exact;
+        unrounded_[i].exact_decision = node.exact_decision;
+        drop_rounding(unrounded_[i]);
     }
 
     void enclose_input_node(NodeId i) {
-        const auto k = index_of(tape_[i].operands[0]);
+        const std::size_t k = tape_[i].operands[0];
         const double middle = box_.at(k).is_point() ? box_[k].low : box_[k].low / 2 + box_[k].high / 2;
-        nodes_[index_of(i)] = unrounded_[index_of(i)] = enclose_input(box_[k].low, box_[k].high);
-        middle_[index_of(i)] = enclose_input(middle, middle);
-        for (const std::size_t f : variable_inputs_) slopes_[index_of(i)].emplace_back(f == k ? 1 : 0);
+        nodes_[i] = unrounded_[i] = enclose_input(box_[k].low, box_[k].high);
+        middle_[i] = enclose_input(middle, middle);
+        for (const std::size_t f : variable_inputs_) slopes_[i].emplace_back(f == k ? 1 : 0);
     }
 
     static void drop_rounding(EnclosedNode& node) {
@@ -82,8 +80,8 @@ private:
 
     void narrow_node(NodeId i, EnclosedNode& node) {
         if (is_given(tape_[i].op)) {
-            slopes_[index_of(i)].assign(variable_inputs_.size(), Interval(0));
-            error_[index_of(i)] = node.rounding;
+            slopes_[i].assign(variable_inputs_.size(), Interval(0));
+            error_[i] = node.rounding;
             return;
         }
 
@@ -91,17 +89,17 @@ private:
         const auto operands = tape_.operands_of(i);
         Interval error = node.rounding;
         for (std::size_t k = 0; k < operands.size(); ++k)
-            if (!is_decision(tape_[operands[k]].op)) error = error + node.quotients[k] * error_[index_of(operands[k])];
-        error_[index_of(i)] = error;
+            if (!is_decision(tape_[operands[k]].op)) error = error + node.quotients[k] * error_[operands[k]];
+        error_[i] = error;
 
         // The range, by the mean value theorem: the value in the middle, and the slopes times the distances from there.
         set_slopes(i);
-        if (!slopes_[index_of(i)].empty() || variable_inputs_.empty()) {
-            Interval range = middle_[index_of(i)].exact;
+        if (!slopes_[i].empty() || variable_inputs_.empty()) {
+            Interval range = middle_[i].exact;
             for (std::size_t f = 0; f < variable_inputs_.size(); ++f) {
                 const Interval x = Interval::between(box_[variable_inputs_[f]].low, box_[variable_inputs_[f]].high);
                 range =
-                    range + slopes_[index_of(i)][f] *
+                    range + slopes_[i][f] *
                                 (x - Interval(box_[variable_inputs_[f]].low / 2 + box_[variable_inputs_[f]].high / 2));
             }
             if (range.is_bounded()) node.exact = intersection(node.exact, range);
@@ -112,18 +110,18 @@ private:
 
     /// Leaves the slopes empty if the node may jump, or if the middle or an operand with a nonzero quotient is unknown.
     void set_slopes(NodeId i) {
-        const EnclosedNode& exact_node = unrounded_[index_of(i)];
-        if (!exact_node.is_known || !middle_[index_of(i)].is_known || exact_node.may_jump) return;
+        const EnclosedNode& exact_node = unrounded_[i];
+        if (!exact_node.is_known || !middle_[i].is_known || exact_node.may_jump) return;
         const auto operands = tape_.operands_of(i);
         std::vector<Interval> sum(variable_inputs_.size(), Interval(0));
         for (std::size_t k = 0; k < operands.size(); ++k) {
-            const auto operand = index_of(operands[k]);
-            if (is_decision(tape_[operands[k]].op) || is_zero(exact_node.quotients[k])) continue;
+            const NodeId operand = operands[k];
+            if (is_decision(tape_[operand].op) || is_zero(exact_node.quotients[k])) continue;
             if (slopes_[operand].size() != variable_inputs_.size()) return;
             for (std::size_t f = 0; f < variable_inputs_.size(); ++f)
                 sum[f] = sum[f] + exact_node.quotients[k] * slopes_[operand][f];
         }
-        slopes_[index_of(i)] = std::move(sum);
+        slopes_[i] = std::move(sum);
     }
 
     const Tape& tape_;
@@ -142,15 +140,14 @@ std::optional<std::vector<Interval>> slopes_of_t(const Tape& tape, const std::ve
     std::vector<Interval> slope(nodes.size());
     slope[tape.outputs.t] = Interval(1);
     for (NodeId i = tape.outputs.t; i >= 0; --i) {
-        const auto index = static_cast<std::size_t>(i);
-        if (is_decision(tape[i].op) || is_zero(slope[index])) continue;
-        if (!nodes[index].is_known || !slope[index].is_bounded()) return {};
+        if (is_decision(tape[i].op) || is_zero(slope[i])) continue;
+        if (!nodes[i].is_known || !slope[i].is_bounded()) return {};
         if (is_given(tape[i].op)) continue;
         const auto operands = tape.operands_of(i);
         for (std::size_t k = 0; k < operands.size(); ++k) {
-            if (is_decision(tape[operands[k]].op) || is_zero(nodes[index].quotients[k])) continue;
+            if (is_decision(tape[operands[k]].op) || is_zero(nodes[i].quotients[k])) continue;
             Interval& sum = slope[operands[k]];
-            sum = sum + slope[index] * nodes[index].quotients[k];
+            sum = sum + slope[i] * nodes[i].quotients[k];
         }
     }
     return slope;

@@ -33,17 +33,16 @@ public:
         for (NodeId i = attribution.subject; i >= 0; --i) {
             if (!attribution[i].is_live) continue;
             for_each_source(tape, attribution, i, [&](NodeId source) {
-                element(distances_, source) = std::max(element(distances_, source), element(distances_, i) + 1);
+                distances_[source] = std::max(distances_[source], distances_[i] + 1);
             });
         }
         number_nodes(attribution.subject);
     }
 
-    [[nodiscard]] auto position_of(NodeId i) { return std::tuple(element(distances_, i), element(positions_, i)); }
+    [[nodiscard]] auto position_of(NodeId i) const { return std::tuple(distances_[i], positions_[i]); }
 
 private:
     static constexpr int unnumbered = -1;
-    static int& element(std::vector<int>& values, NodeId i) { return values[i]; }
 
     /// Numbers the nodes from the answer down, operands from left to right. Not recursive: a march is thousands of
     /// operations deep.
@@ -53,8 +52,8 @@ private:
         while (!pending.empty()) {
             const NodeId i = pending.back();
             pending.pop_back();
-            if (element(positions_, i) != unnumbered) continue;
-            element(positions_, i) = next_position++;
+            if (positions_[i] != unnumbered) continue;
+            positions_[i] = next_position++;
             const auto old_size = static_cast<std::ptrdiff_t>(pending.size());
             for_each_source(tape_, attribution_, i, [&](NodeId source) { pending.push_back(source); });
             std::reverse(pending.begin() + old_size, pending.end());

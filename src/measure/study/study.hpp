@@ -17,7 +17,7 @@
 // - `scenes()`: the scenes of its forms, if forms differ in the rays that a scene makes;
 // - `prepare(band, form_indices)`, in place of `prepare(band)`: the forms whose rays are in this band;
 // - `measure(shared, form_index, summary, show)`: calls `show` with the results, in memory that it reuses;
-// - `stages`: receives the number of truths that each stage settled; may be null.
+// - `stages`: a pointer to the number of truths that each stage has proved; may be null.
 //
 // The driver owns the loop over bands and forms, their threads, the share of a shard, and how summaries add up.
 #pragma once
@@ -133,7 +133,7 @@ std::vector<typename S::Summary> run_share(const S& study, const ShowBand<S>& sh
     return summaries;
 }
 
-/// Measures all forms on all bands. The summaries are sealed.
+/// Measures all forms on all bands. Returns one sealed summary per form.
 template <Study S>
 std::vector<typename S::Summary> run_study(const S& study, const ShowBand<S>& show = {}) {
     auto summaries = run_share(study, show);

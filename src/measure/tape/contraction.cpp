@@ -35,7 +35,7 @@ constexpr bool is_sum(TapeOp op) { return op == TapeOp::add || op == TapeOp::sub
 class Contraction {
 public:
     explicit Contraction(const Tape& tape) : source_(tape), first_equal_(tape.nodes.size()), users_(tape.nodes.size()) {
-        for (NodeId i = 0; i < tape.size(); ++i) at(first_equal_, i) = find_first_equal(i);
+        for (NodeId i = 0; i < tape.size(); ++i) first_equal_[i] = find_first_equal(i);
         find_users();
         for (const NodeId i : source_order())
             if (tape[i].op == TapeOp::mul) fuse(i);
@@ -44,8 +44,8 @@ public:
     Tape contract() {
         new_nodes_.assign(source_.nodes.size(), no_node);
         for (NodeId i = 0; i < source_.size(); ++i) {
-            const bool is_needed = source_[i].op == TapeOp::input || !at(users_, i).empty() || is_answer(i);
-            if (first_equal(i) == i && is_needed && !removed_nodes_.contains(i)) at(new_nodes_, i) = copy_node(i);
+            const bool is_needed = source_[i].op == TapeOp::input || !users_[i].empty() || is_answer(i);
+            if (first_equal(i) == i && is_needed && !removed_nodes_.contains(i)) new_nodes_[i] = copy_node(i);
         }
         const auto [hit, t, near, far] = source_.outputs;
         result_.outputs = {new_node(hit), new_node(t), new_node(near), new_node(far)};
@@ -65,14 +65,6 @@ private:
         bool negates_product, negates_addend;
     };
 
-    template <class T>
-    static T& at(std::vector<T>& values, NodeId i) {
-        return values[i];
-    }
-    template <class T>
-    static const T& at(const std::vector<T>& values, NodeId i) {
-        return values[i];
-    }
     [[nodiscard]] NodeId first_equal(NodeId i) const { return i == no_node ? no_node : first_equal_[i]; }
     [[nodiscard]] bool is_answer(NodeId i) const {
         const auto [hit, t, near, far] = source_.outputs;
@@ -106,7 +98,7 @@ private:
             for (const NodeId operand : source_[i].operands) {
                 if (operand == no_node) continue;
                 needed[first_equal(operand)] = true;
-                at(users_, first_equal(operand)).push_back(i);
+                users_[first_equal(operand)].push_back(i);
             }
         }
     }
@@ -126,7 +118,7 @@ private:
         };
         const auto [hit, t, near, far] = source_.outputs;
         for (NodeId i = 0; i < source_.size(); ++i)
-            if (first_equal(i) == i && (!at(users_, i).empty() || is_answer(i)) && source_[i].label.size() > 0)
+            if (first_equal(i) == i && (!users_[i].empty() || is_answer(i)) && source_[i].label.size() > 0)
                 visit(visit, i);
         for (const NodeId out : {hit, t, near, far}) visit(visit, first_equal(out));
         return order;

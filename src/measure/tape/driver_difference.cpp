@@ -86,7 +86,7 @@ Answer compute_answer(const CandidateProgram& candidate, const RandomRays<float>
         };
 
         double value = 0;
-        if (node.op == TapeOp::input) value = rays.input(ray, static_cast<std::size_t>(node.operands[0]));
+        if (node.op == TapeOp::input) value = rays.input(ray, node.operands[0]);
         else if (node.op == TapeOp::constant) value = node.operands[0];
         else
             value = compute_rounded(node.op, operand_value(0), operand_value(1), operand_value(2),

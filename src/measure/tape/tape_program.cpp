@@ -139,17 +139,16 @@ TapeProgram::TapeProgram(const Tape& tape) {
         return is_decision(tape[i].op) ? NodeArithmetic::decision : arithmetic_of(tape.format_of(i));
     };
     ColumnPool pool;
-    std::vector<std::uint16_t> columns_of_nodes(tape.nodes.size());
-    const auto column_of = [&](NodeId i) -> std::uint16_t& { return columns_of_nodes[i]; };
+    std::vector<std::uint16_t> column_of(tape.nodes.size());
 
     // Inputs and constants are kept for all rays, so their columns are never released.
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& node = tape[i];
         if (node.op == TapeOp::input) ++input_count_;
         if (last_use[i] == no_node || !is_given(node.op)) continue;
-        column_of(i) = pool.acquire(node_arithmetic(i));
-        if (node.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(node.operands[0]), column_of(i)});
-        else constants_.push_back({node_arithmetic(i), node.value, column_of(i)});
+        column_of[i] = pool.acquire(node_arithmetic(i));
+        if (node.op == TapeOp::input) inputs_.push_back({static_cast<std::size_t>(node.operands[0]), column_of[i]});
+        else constants_.push_back({node_arithmetic(i), node.value, column_of[i]});
     }
 
     for (NodeId i = 0; i < tape.size(); ++i) {
@@ -161,7 +160,7 @@ TapeProgram::TapeProgram(const Tape& tape) {
                       .operands = {},
                       .out = 0};
         for (std::size_t k = 0; k < 3; ++k)
-            if (node.operands[k] != no_node) step.operands[k] = column_of(node.operands[k]);
+            if (node.operands[k] != no_node) step.operands[k] = column_of[node.operands[k]];
 
         // The result may take the column of an operand that no later step reads.
         for (std::size_t k = 0; k < 3; ++k) {
@@ -169,15 +168,15 @@ TapeProgram::TapeProgram(const Tape& tape) {
             const bool is_repeated =
                 std::find(node.operands.begin(), node.operands.begin() + k, operand) != node.operands.begin() + k;
             if (operand != no_node && !is_repeated && !is_given(tape[operand].op) && last_use[operand] == i)
-                pool.release(node_arithmetic(operand), column_of(operand));
+                pool.release(node_arithmetic(operand), column_of[operand]);
         }
-        step.out = column_of(i) = pool.acquire(step.arithmetic);
+        step.out = column_of[i] = pool.acquire(step.arithmetic);
         steps_.push_back(step);
     }
 
     column_counts_ = pool.counts;
-    outputs_ = {column_of(tape.outputs.hit), column_of(tape.outputs.t), column_of(tape.outputs.near),
-                column_of(tape.outputs.far)};
+    outputs_ = {column_of[tape.outputs.hit], column_of[tape.outputs.t], column_of[tape.outputs.near],
+                column_of[tape.outputs.far]};
 }
 
 template <class S>

@@ -74,7 +74,7 @@ private:
         const TapeNode& node = explanation_.tape[i];
         if (node.op == TapeOp::call)
             throw InputError(fmt::format(
-                "--fpcore: {} settles this ray by a call that sums without rounding, but FPCore has only operations "
+                "--fpcore: {} decides this ray by a call that sums without rounding, but FPCore has only operations "
                 "of formats; --json and --c give the result of the call",
                 explanation_.form->info->name));
         const FloatFormat& f = explanation_.tape.format_of(i);

@@ -174,17 +174,15 @@ OperationTable operation_table(const Explanation& explanation, const OperationVi
     // A row can name other operations, and each of them needs a row too. The last operations are visited first.
     std::vector<bool> has_row(explanation.tape.nodes.size()), shows_errors(explanation.tape.nodes.size());
     for (NodeId i = explanation.tape.size() - 1; i >= 0; --i) {
-        const auto index = static_cast<std::size_t>(i);
-        shows_errors[index] = i == culprit_operation(explanation) ||
-                              (i >= table.first_node && (has_row[index] || view.is_shown(i, show_all)));
-        has_row[index] = has_row[index] || shows_errors[index];
-        if (!shows_errors[index]) continue;
+        shows_errors[i] = i == culprit_operation(explanation) ||
+                          (i >= table.first_node && (has_row[i] || view.is_shown(i, show_all)));
+        has_row[i] = has_row[i] || shows_errors[i];
+        if (!shows_errors[i]) continue;
         for (const NodeId named : view.operations_named_in(i)) has_row[named] = true;
     }
 
     for (NodeId i = 0; i < explanation.tape.size(); ++i) {
-        const auto index = static_cast<std::size_t>(i);
-        if (has_row[index]) table.rows.push_back(table_row(explanation, view, i, shows_errors[index]));
+        if (has_row[i]) table.rows.push_back(table_row(explanation, view, i, shows_errors[i]));
     }
     return table;
 }

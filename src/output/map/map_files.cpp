@@ -92,7 +92,7 @@ MapWriter::MapWriter(const MapStudy& study, const MapFilesOptions& options)
         p.summary.emplace(
             options.folder, "summary.csv",
             options.group_column.empty() ? "One row per form and format" : "One row per form, format and group",
-            p.summary_columns());
+            p.make_summary_columns());
     if (has_tables && asks_for_culprits(study.metrics))
         p.culprits.emplace(options.folder, "culprits.csv", "One row per form, format and operation that is a culprit",
                            make_culprit_table());

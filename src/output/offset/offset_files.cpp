@@ -207,7 +207,7 @@ Table<study::PixelInBand<OffsetBand>> OffsetPresentation::make_pixel_table(const
         const std::string name(name_of(side));
         using P = measure::offset::SideOfPoint;
         table.add<P>(
-            {{"rays_" + name, "rays " + side_phrase(side), &P::rays},
+            {{"rays_" + name, "rays " + side_phrase(side), &P::ray_count},
              {"safe_" + name, "world units", "smallest safe offset; inf if no offset is safe", &P::safe_offset},
              {"quiet_" + name, "world units",
               "smallest offset that is safe by truth and by the form's arithmetic; inf if none is", &P::quiet_offset}},

@@ -158,7 +158,7 @@ std::string mend_table(const repair::RepairSummary& result) {
         add_cell(is_known ? static_cast<double>(row.wider_operations) : NAN);
         for (const auto* const quality : {row.quality, row.held_out_quality}) {
             add_cell(quality ? quality->kept_bits : NAN);
-            add_cell(quality ? static_cast<double>(quality->wrong) : NAN);
+            add_cell(quality ? static_cast<double>(quality->wrong_count) : NAN);
         }
 
         // The verdict, and the times.

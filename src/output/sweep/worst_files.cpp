@@ -104,7 +104,7 @@ table::Table<WorstRow> make_worst_table(const WorstRequest& request) {
         {"distance_radii", "r",
          "distance from the ray's origin to the centre of the sphere; missing for other primitives",
          or_missing(&W::distance)},
-        {"evaluations", "rays tried", &W::evaluations}};
+        {"evaluations", "rays tried", &W::evaluation_count}};
     columns.add_exact({"t", "t", "the form's answer, in its own unit",
                        [](const W& w) { return table::when(w.outcome != Outcome::false_miss, w.t); }});
     columns.add_exact({"truth", "t", "t*, correctly rounded to binary64, in the same unit; missing for a miss",
@@ -215,7 +215,7 @@ table::Table<CensusRow> make_census_table() {
     table.add(table::make_subject_columns(), &R::tested_form);
     table.add({{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
                 [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
-               {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.rays; }},
+               {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.ray_count; }},
                {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.outcomes[0]; }},
                {"double_hit",
                 "crossings that the form counts twice, not counting rays that truly meet two triangles at one t",

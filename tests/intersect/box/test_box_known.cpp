@@ -35,7 +35,7 @@ constexpr std::array<std::string_view, 14> forms{
 
 // b baseline, x exclusive, i inclusive, s signs, / divide, m ieee_minmax, p pbrt_padded, M max_mult, f embree_fma, r
 // embree_robust, e embree_padded, v bvh_robust, t tinybvh, F filtered
-const KnownCase known[] = {
+const KnownCase known_cases[] = {
     //                                                                                   bxis/mpMfrevtF
     {"through the middle", {2, 2, -1}, {0, 0, 1}, inf, "HHHHHHHHHHHHHH", 2},
     {"through the middle, zeros negative", {2, 2, -1}, {-0.0, -0.0, 1}, inf, "HHHHHHHHHHHHHH", 2},
@@ -179,7 +179,7 @@ void check_nan_order() {
 }  // namespace
 
 TEST_CASE("forms of boxes give the answers worked out by hand", "[intersect][box][known]") {
-    for (const KnownCase& k : known) {
+    for (const KnownCase& k : known_cases) {
         ask_every_form<float>(k);
         if (!k.float_only) ask_every_form<double>(k);
     }

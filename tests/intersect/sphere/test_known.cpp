@@ -19,7 +19,7 @@ struct KnownCase {
     enum { crosses, touches, passes } line;
 };
 
-const KnownCase known[] = {
+const KnownCase known_cases[] = {
     {"head on from distance 5", {0, 0, -5}, {0, 0, 1}, {0, 0, 0}, 1, 4, 6, KnownCase::crosses},
     {"head on along -x, moved from the world's origin", {7, 2, 1}, {-1, 0, 0}, {2, 2, 1}, 1, 4, 6, KnownCase::crosses},
     {"off the centre, 3-4-5", {3, 0, -8}, {0, 0, 1}, {0, 0, 0}, 5, 4, 12, KnownCase::crosses},
@@ -92,7 +92,7 @@ void ask_every_form(int precision) {
         if (row.info->formats != intersect::Formats::all && precision != 24) continue;
         // A form that takes the root of |f|² or moves bounds outward may be off by a few units; all others are exact.
         const bool exact = row.info->name != "sphere.pbrt_interval" && row.info->name != "sphere.factored_c";
-        for (const KnownCase& k : known)
+        for (const KnownCase& k : known_cases)
             ask<T>(row, k, exact ? 0 : std::ldexp(std::fmax(std::fabs(k.near), std::fabs(k.far)), 7 - precision));
     }
 }

@@ -70,7 +70,7 @@ TEST_CASE("of two maps in one process one is stopped at the requested ray and th
     CHECK_THROWS_AS(mapped(loaded, asks, StopToken(first_asked)), Interrupted);
     CHECK(measured == 1);
     REQUIRE(other.size() == 1);
-    CHECK(other.front().rays == 256);
+    CHECK(other.front().ray_count == 256);
     CHECK(others > 1);
     CHECK(static_cast<std::uint64_t>(others) == other.front().count(measure::answer::Outcome::agree_hit));
 }

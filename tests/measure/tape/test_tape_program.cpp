@@ -70,7 +70,6 @@ Hit<double> node_by_node(const Tape& tape, const Setting& setting) {
     for (const double x : setting.primitives.front().shape_numbers()) inputs.push_back(x);
     inputs.push_back(HUGE_VAL);
     std::vector<double> value(tape.nodes.size());
-    const auto at = [&](NodeId i) -> double& { return value[i]; };
     struct Judge {
         const std::vector<double>& value;
         const TapeNode& n;
@@ -82,19 +81,19 @@ Hit<double> node_by_node(const Tape& tape, const Setting& setting) {
     for (NodeId i = 0; i < tape.size(); ++i) {
         const TapeNode& n = tape[i];
         const Judge judge{value, n};
-        if (n.op == TapeOp::input) at(i) = inputs.at(n.operands[0]);
-        else if (n.op == TapeOp::constant) at(i) = n.value;
-        else if (is_decision(n.op)) at(i) = attribution::holds(n.op, judge) ? 1 : 0;
-        else if (kind_of(n.op) == OperationKind::choice) at(i) = at(attribution::chosen_side(n, judge));
+        if (n.op == TapeOp::input) value[i] = inputs.at(n.operands[0]);
+        else if (n.op == TapeOp::constant) value[i] = n.value;
+        else if (is_decision(n.op)) value[i] = attribution::holds(n.op, judge) ? 1 : 0;
+        else if (kind_of(n.op) == OperationKind::choice) value[i] = value[attribution::chosen_side(n, judge)];
         else {
             std::array<double, 3> operands{};
             for (std::size_t k = 0; k < 3; ++k)
-                if (n.operands[k] != no_node) operands[k] = at(n.operands[k]);
-            at(i) = attribution::result_of(n.op, operands, tape.format_of(i));
+                if (n.operands[k] != no_node) operands[k] = value[n.operands[k]];
+            value[i] = attribution::result_of(n.op, operands, tape.format_of(i));
         }
     }
     const auto [hit, t, near, far] = tape.outputs;
-    return {at(hit) != 0, at(t), at(near), at(far)};
+    return {value[hit] != 0, value[t], value[near], value[far]};
 }
 
 }  // namespace

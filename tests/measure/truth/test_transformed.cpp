@@ -68,9 +68,9 @@ TEST_CASE("packs decide most rays at transformed primitives, as single rays do")
             REQUIRE(compare(packed.t, alone.t) == 0);
             REQUIRE(compare(packed.distance, alone.distance) == 0);
         }
-        INFO(counts.double_double << " of " << counts.rays());
+        INFO(counts.double_double << " of " << counts.ray_count());
         CHECK(hits > 300);
-        CHECK(counts.double_double > counts.rays() / 10 * 9);
+        CHECK(counts.double_double > counts.ray_count() / 10 * 9);
     }
 }
 

@@ -175,7 +175,7 @@ function showPickers(element, ...pickers) {
 }
 
 /**
- * Names for a picker: the title, or the file's name if the title is empty. Equal titles are told apart by their file
+ * Names for a picker: the title, or the file's name if the title is empty. Equal titles are followed by their file
  * names.
  */
 const titled = (parts) => parts.map(
