@@ -86,7 +86,7 @@ file(WRITE ${WORK}/src/measure/metric/lateness.hpp [=[
 namespace lostbits::measure::metric {
 inline constexpr Metric metrics_of_lateness[] = {
     table_row({"lateness", "length", "recipe.lateness"}, "t - RN(t*)",
-              [](const Sample& s) { return s.t - s.truth_rounded; },
+              [](const Sample& s) { return s.t - s.rounded_truth; },
               {.needs = needs_rounded_truth, .ramp = Ramp::magnitude, .low = 0x1p-30, .high = 1})};
 }
 ]=])

@@ -57,7 +57,7 @@ double growth_of(const Primitive<double>& primitive, const RayBounds& rays, cons
 constexpr double min_trusted = 0x1p-400;
 
 /// Box of a primitive; with a matrix, the box of the ball around the primitive. Nothing if the box cannot be trusted,
-/// and for a primitive without a box: a plane, or one under a stored inverse.
+/// and for a primitive without a box: a plane, or one with a stored inverse.
 std::optional<BoundingBox<double>> wide_box_of(const Primitive<double>& primitive) {
     if (!has_bounding_box(primitive.shape) || (primitive.transform && primitive.transform->is_inverse))
         return std::nullopt;
