@@ -76,7 +76,7 @@ Answer<float> clipped_ahead(const Ray<float>& ray, const Sphere<float>& sphere) 
     return interval.hit && interval.far > 0 ? interval : miss;
 }
 template <class Primitive>
-Answer<float> zero_inside(const Ray<float>& ray, const Primitive& primitive) {
+Answer<float> answer_zero_inside(const Ray<float>& ray, const Primitive& primitive) {
     const Roots r = roots(ray, primitive);
     return r.hit && r.far >= 0 ? ahead(std::max(r.near, 0.0)) : miss;
 }
@@ -177,7 +177,7 @@ Thickness<float> thickness_of_segment(const Segment<float>& segment, const Spher
 Answer<float> of_centre(const Ray<float>& ray, const CentreBox<float>& b) {
     Box<float> box{};
     for (int k = 0; k < 3; ++k) box.lo[k] = b.centre[k] - b.half[k], box.hi[k] = b.centre[k] + b.half[k];
-    return zero_inside(ray, box);
+    return answer_zero_inside(ray, box);
 }
 Answer<float> of_origin(const Ray<float>& ray, const SphereAtOrigin<float>& s) {
     return exit_inside(ray, Sphere<float>{{0, 0, 0}, s.radius});
@@ -218,7 +218,7 @@ constexpr Form open(const char* name) { return form<triangle<true>>(name).first_
 LOSTBITS_FORMS(form<clipped_ahead>("word.clipped_ahead").clipped().origin_misses(),
                form<clipped_ahead>("bad.clipped_ahead").clipped(),
                form<clipped<S>>("word.clipped").clipped(),                                      //
-               form<zero_inside<S>>("word.zero").first_root().inside_zero(),                    //
+               form<answer_zero_inside<S>>("word.zero").first_root().inside_zero(),             //
                form<misses_inside<S>>("word.misses").first_root().inside_misses(),              //
                form<exit_at_origin>("word.exit_at_origin").first_root().origin_exits(),         //
                form<misses_inside<S>>("word.near").near_root(),                                 //
@@ -249,7 +249,7 @@ LOSTBITS_FORMS(form<clipped_ahead>("word.clipped_ahead").clipped().origin_misses
                form<touch_is_zero>("bad.touch").first_root(),                                   //
                form<with_tmin>("bad.tmin").first_root().origin_misses(),                        //
                form<clipped<S>>("bad.clipped"),                                                 //
-               form<zero_inside<S>>("bad.zero").first_root(),                                   //
+               form<answer_zero_inside<S>>("bad.zero").first_root(),                            //
                form<misses_inside<S>>("bad.misses").first_root(),                               //
                form<exit_at_origin>("bad.exit_at_origin").first_root(),                         //
                form<exit_inside<B>>("bad.box_exit").first_root().ignores_end(),                 //
