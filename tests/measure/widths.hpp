@@ -6,7 +6,7 @@
 
 namespace lostbits::test {
 
-/// Calls `run(isa)` with each that the processor has in use, the one of single numbers first.
+/// Calls `run(isa)` once for each available register width, scalar first, while that width is set.
 template <class Run>
 void at_every_width(const Run& run) {
     const auto before = intersect::simd::current_isa();

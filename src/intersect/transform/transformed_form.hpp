@@ -11,12 +11,12 @@ namespace lostbits::intersect::transform {
 /// and for a set.
 const table::Intersector& transformed_form(const TransformMethod& method, const table::Intersector& form);
 
-/// The parts of a form that `through` created.
+/// The parts of a form that `transformed_form` returned.
 struct TransformedFormParts {
     const TransformMethod* method;
     const table::Intersector* form;
 };
-/// The parts of a form; null pointers if `through` did not create it.
+/// The parts of a form; null pointers if `transformed_form` did not return it.
 TransformedFormParts find_transformed_parts(const table::Intersector& form);
 
 }  // namespace lostbits::intersect::transform

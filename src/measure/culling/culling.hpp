@@ -67,8 +67,8 @@ struct RayBounds {
 RayBounds bounds_of(const scene::rays::RayBlock& rays);
 RayBounds join(const RayBounds& a, const RayBounds& b);
 
-/// B of the index of spheres, for rays that begin within `origin` of the world's origin and primitives that end within
-/// `reach` of it.
+/// Upper bound of the sum of squares B (see `SphereIndex`), for rays with |O| ≤ `origin` and spheres with
+/// |G| + r ≤ `reach`.
 double sum_of_squares(double origin, double reach);
 /// True if no square overflows or vanishes in the format when forms test a sphere with this B and this radius. They
 /// square lengths and multiply by |d|² and by 4; Newton's step multiplies once more by about as much.
@@ -82,13 +82,14 @@ bool squares_are_safe(double sum, double radius, const RayBounds& rays, const Fl
 ///
 /// For forms in a format with unit roundoff u, they include those that rounding can make a form hit. Every form decides
 /// by the sign of something like r² − l², where l is the distance of the centre from the line. Its error is at most
-/// K·u·B with B = |O|² + (|G| + r)² + (|O| + |G| + r)², since it adds only products of those lengths. Counting
+/// K·u·B with B = |O|² + (|G| + r)² + (|O| + |G| + r)², where O is the ray's origin and G the sphere's centre, since it
+/// adds only products of those lengths. Counting
 /// roundings gives K < 30 for the worst of the forms; 64 is used. A sphere is a candidate if l² ≤ r² + 64·u·B. A test
 /// compares with brute force for every form. The bound needs squares that neither overflow nor vanish: see `make`.
 ///
 /// Neighbouring spheres are tested together, 64 in a block and 8192 in a page, each with a ball around all that its
-/// spheres can reach. The order of a flake keeps neighbours together, so no tree is needed. The balls take one byte for
-/// each sphere. The result is runs of indices, which the kernels read in place.
+/// spheres can reach. A sphereflake is stored with neighbours together, so no tree is needed. The balls take one byte
+/// for each sphere. The result is runs of indices, which the kernels read in place.
 class SphereIndex : public PrimitiveIndex {
 public:
     static constexpr std::size_t spheres_per_block = 64, spheres_per_page = 8192;
@@ -154,16 +155,17 @@ public:
     Culler(const scene::file::Scene& scene, const Ray<double>& ray);
     /// Makes a culler for rays that do not belong to a scene.
     Culler(scene::rays::PrimitiveList<double> primitives, const scene::rays::RayBlock& rays);
-    /// Makes a culler for rays that come in blocks; the other constructor makes the culler of one block, which shares
-    /// every index that does not depend on bounds of rays. Several threads may make and use cullers of blocks; `parent`
-    /// outlives them.
+    /// Makes the parent of the cullers of blocks, for rays that come in blocks.
     explicit Culler(scene::rays::PrimitiveList<double> primitives);
+    /// Makes the culler of one block. It shares every index of `parent` that does not depend on bounds of rays. Several
+    /// threads may make and use cullers of blocks; `parent` outlives them.
     Culler(const Culler& parent, const scene::rays::RayBlock& rays);
     Culler(Culler&&) = default;
     Culler& operator=(Culler&&) = default;
 
-    /// Primitives for the bands of a scene with shared inputs, and of a scene with own inputs.
+    /// The primitives as stored, for a scene whose formats share their inputs.
     [[nodiscard]] const scene::rays::PrimitiveList<double>& shared_primitives() const { return stored_; }
+    /// The primitives before rounding, for a scene in which each format rounds its own inputs.
     [[nodiscard]] const scene::rays::PrimitiveList<Real>& ideal_primitives() const { return ideal_; }
     /// Index for the truth of the primitives as given. This and the indices of a format may be null: test every
     /// primitive then.

@@ -15,10 +15,10 @@ struct RayDistribution {
     /// Promise of the distribution. It is checked exactly, so that a generator that misses its aim fails too.
     enum class Promise { none, tangent_line, on_surface, inside } promise;
     RaySample (*make)(Seeded&, const FloatFormat& storage);
-    /// Rays per storage format: fewer where exponents are wide and exact arithmetic is dear.
+    /// Rays per storage format: fewer where exponents are wide and exact arithmetic is slow.
     int rays_binary32, rays_binary64;
-    /// Limit on the number of binary32 rays that go beyond double-double: a formula that cancels would still be right,
-    /// but would pay for it with precision.
+    /// At most this many binary32 rays may need more than double-double. A formula of the truth that cancels would
+    /// still be right, but more rays would need higher precision: this limit notices it.
     int max_escalated;
 };
 
