@@ -170,8 +170,8 @@ std::vector<ForeignForm> load_plugin(const fs::path& library) {
                          "lostbits_forms as lostbits_plugin.h declares it");
 
     std::size_t count = 0;
-    // The call that returns the list belongs to loading: the processor state that it leaves is the one in which the
-    // library's users compute.
+    // The call that returns the list counts as loading: it may change the floating-point state, and users of the
+    // library compute in the state that it leaves.
     const auto [forms, fp_state] = call_foreign(lasting_path, [&] {
         const ForeignLoadScope loading(lasting_path, loaded.fp_state);
         const lb_form* const list = list_forms(LOSTBITS_PLUGIN_ABI, &count);

@@ -98,7 +98,7 @@ ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSumma
 
 namespace {
 
-/// Finds the row of a table that the name of a form names as one of its parts.
+/// Finds a part of a composed form, such as its transform method, by its name in the table of such parts.
 template <class Row>
 std::vector<const Row*> find_part(const Claim& claim, std::span<const Row> table, const std::string& name,
                                   const std::string& kind) {

@@ -18,8 +18,9 @@ using truth::missing;
 
 namespace {
 
-/// Returns the kernels of a width with registers. The function that makes a table was itself compiled for its width, so
-/// no table is made for a width that the machine lacks.
+/// Returns the kernels of a width with registers. Each function that makes kernels is itself compiled with the
+/// instructions of its width and would fault on a processor without them, so kernels are made on the first use of their
+/// width.
 const RawKernels& kernels_of_width(Isa isa) {
     static constexpr intersect::simd::FunctionOfWidth<RawKernels()> make = LOSTBITS_OF_EACH_WIDTH(raw_kernels);
     return intersect::simd::with_width(isa, []<Isa width>() -> const RawKernels& {

@@ -36,7 +36,7 @@ bool triangle(const Ray& ray, Vec3 v0, Vec3 v1, Vec3 v2, float& t) {
     return !(t < 0);
 }
 
-// The pull request: only a determinant of 0 is a miss, and so is a NaN.
+// The pull request: the only determinant that is a miss is 0; a NaN in u or v is a miss, too.
 bool triangle_repaired(const Ray& ray, Vec3 v0, Vec3 v1, Vec3 v2, float& t) {
     const Vec3 e1 = v1 - v0, e2 = v2 - v0;
     const Vec3 h = cross(ray.direction, e2);
