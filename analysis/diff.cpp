@@ -153,7 +153,7 @@ ExitStatus run_on_maps(const DiffOptions& options, const MapSides& sides, const 
                        const CommonOptions& common) {
     const diff::MapDifference difference = diff::compare_maps(sides, compare_options, options.compares_pictures);
     auto names = compared_columns(difference.other_files);
-    names.insert(difference.rows.names.begin(), difference.rows.names.end());
+    names.insert(difference.rows.column_names.begin(), difference.rows.column_names.end());
     diff::require_known_columns(compare_options, names);
 
     // Draws before anything is printed: a map without pixels is an error.

@@ -145,10 +145,11 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
                       b = sides.compares_two_forms() ? sides.form_b : sides.b.string();
 
     // Tables without such rows, such as those of judge without forms, are compared as files.
-    if (difference.rows.compared_count + difference.rows.only_a.size() + difference.rows.only_b.size() > 0)
+    if (difference.rows.compared_row_count + difference.rows.only_a.size() + difference.rows.only_b.size() > 0)
         fmt::print("{} to {}: {} compared, {} {} (in {})\n", a, b,
-                   count_with_noun(difference.rows.compared_count, "row"), difference.rows.changed,
-                   difference.rows.changed == 1 ? "differs" : "differ", count_with_noun(difference.tables, "table"));
+                   count_with_noun(difference.rows.compared_row_count, "row"), difference.rows.changed_row_count,
+                   difference.rows.changed_row_count == 1 ? "differs" : "differ",
+                   count_with_noun(difference.tables, "table"));
     print_lines(fmt::format("{} only in {}:", count_with_noun(difference.rows.only_a.size(), "row"), a),
                 difference.rows.only_a, verbose);
     print_lines(fmt::format("{} only in {}:", count_with_noun(difference.rows.only_b.size(), "row"), b),
@@ -164,10 +165,10 @@ void print(const MapDifference& difference, const MapSides& sides, bool verbose)
     print_lines(fmt::format("largest changes, of {} that {}:", count_with_noun(difference.rows.cells.size(), "number"),
                             difference.rows.cells.size() == 1 ? "differs" : "differ"),
                 lines, verbose);
-    if (lines.empty() && difference.rows.outcomes.empty() && !difference.rows.reference_columns.empty())
+    if (lines.empty() && difference.rows.outcomes.empty() && !difference.rows.changed_reference_columns.empty())
         fmt::print("the numbers are the same; the rows differ in columns that name a ray or a command: {}\n",
-                   fmt::join(difference.rows.reference_columns, ", "));
-    print_lines("columns:", difference.rows.columns, verbose);
+                   fmt::join(difference.rows.changed_reference_columns, ", "));
+    print_lines("columns:", difference.rows.one_sided_columns, verbose);
 
     for (const FileResult& result : difference.other_files) {
         if (verbose || !result.only_folder.empty()) {

@@ -111,7 +111,7 @@ void RayTable::add_band(const measure::evaluate::BandResult& result) {
         const bool is_hit = result.answers->hit[i] != 0;
         const measure::truth::Truth ray_truth = result.truth(i);
         columns[outcome_column].codes.push_back(static_cast<std::uint8_t>(result.outcomes[i]));
-        columns[primitive_column].numbers.push_back(is_hit ? result.answers->object[i] : measure::truth::missing);
+        columns[primitive_column].numbers.push_back(is_hit ? result.answers->primitive[i] : measure::truth::missing);
         columns[true_primitive_column].numbers.push_back(ray_truth.is_hit() ? ray_truth.primitive
                                                                             : measure::truth::missing);
         columns[t_column].numbers.push_back(is_hit ? result.answers->t[i] : measure::truth::missing);

@@ -89,7 +89,7 @@ struct NumberStudy {
             const measure::truth::Truth ray_truth = band.truth(i, tested_forms[form_index].convention());
             if (ray_truth.decision == measure::truth::Truth::Decision::unresolved) ++summary.unresolved;
             if (!ray_truth.is_hit() || on_band.closest_hits.hit[i] == 0 ||
-                on_band.closest_hits.object[i] != ray_truth.primitive)
+                on_band.closest_hits.primitive[i] != ray_truth.primitive)
                 continue;
             result.numbers[i] = number(CorrectHit{on_band, i, ray_truth});
             summary.numbers.add(result.numbers[i]);

@@ -14,7 +14,7 @@ struct Answers {
     std::vector<std::uint8_t> hit;
     /// Index of the primitive; −1 where there is no hit. In a distance field, the primitive whose surface is nearest to
     /// the answer.
-    std::vector<std::int32_t> object;
+    std::vector<std::int32_t> primitive;
     /// For each pair of the inputs' `candidates`, 1 if the form claims a hit; empty if the inputs have no candidates.
     std::vector<std::uint8_t> claimed = {};
     std::vector<intersect::MarchRecord> march = {};  ///< one for every ray of a form that marches; else empty

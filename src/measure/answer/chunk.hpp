@@ -131,7 +131,7 @@ public:
             // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
             t_out[i] = primitives[i] < 0 ? 0 : t == t ? t : truth::missing;
         }
-        std::copy_n(primitives, count, answers.object.data() + begin_);
+        std::copy_n(primitives, count, answers.primitive.data() + begin_);
     }
 
 private:
@@ -160,7 +160,7 @@ inline void keep_nearest(S t, std::size_t ray, std::int32_t primitive, Answers& 
     answers.hit[ray] = 1;
     // The sign and payload of a NaN are the compiler's choice; no file may depend on it.
     answers.t[ray] = std::isnan(t) ? truth::missing : t;
-    answers.object[ray] = primitive;
+    answers.primitive[ray] = primitive;
 }
 
 /// Pairs of rays and their candidates, as columns in the order of the primitives, so that all rays of a primitive are

@@ -25,7 +25,7 @@ public:
           mesh_(band_answers.inputs.primitives.mesh()->mesh()) {}
 
     [[nodiscard]] Outcome find_outcome(std::int32_t true_primitive, Outcome plain_outcome) const {
-        const std::int32_t hit_primitive = band_answers_.answers.object[ray_];
+        const std::int32_t hit_primitive = band_answers_.answers.primitive[ray_];
         if (band_answers_.answers.claimed.empty())
             return plain_outcome == Outcome::wrong_primitive && are_neighbours(true_primitive, hit_primitive)
                        ? Outcome::wrong_neighbour
@@ -191,10 +191,10 @@ void refine_outcomes(const BandAnswers& band_answers, const columns::TrueLengths
         const bool is_wrong_primitive = outcomes[i] == Outcome::wrong_primitive;
         if (has_mesh || is_wrong_primitive) band_answers.inputs.stop.check();
         if (is_wrong_primitive &&
-            meets_first(band_answers.band, i, band_answers.answers.object[i], band_answers.convention))
+            meets_first(band_answers.band, i, band_answers.answers.primitive[i], band_answers.convention))
             outcomes[i] = Outcome::agree_hit;
         if (has_mesh && truth.decision[i] == Truth::Decision::hit)
-            outcomes[i] = RayAtMesh(band_answers, i).find_outcome(truth.object[i], outcomes[i]);
+            outcomes[i] = RayAtMesh(band_answers, i).find_outcome(truth.primitive[i], outcomes[i]);
     }
 }
 

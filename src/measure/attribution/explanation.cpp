@@ -408,7 +408,7 @@ void compare_primitives(Explanation& explanation, const OneRay& ray, const OneRa
     const Intersector& form = *explanation.form;
     if (!explanation.returns_t() || !is_primitive(form.shape)) return;
     const bool hits_wrong_primitive =
-        explanation.hit && ray_truth.is_hit() && !ray.meets_first(answers.object[in.index], *form.info);
+        explanation.hit && ray_truth.is_hit() && !ray.meets_first(answers.primitive[in.index], *form.info);
     if (hits_wrong_primitive) {
         if (explanation.has_tape())
             explanation.missed_primitive = answer_at_true_primitive(
@@ -436,7 +436,7 @@ Explanation explain_alone(const Intersector& form, const Format& format, const O
     // Explains one primitive: the one that the form hits or, for a miss, the one that the ray truly meets.
     explanation.primitive_count = static_cast<int>(in.format_inputs.primitives.size());
     const std::size_t primitive = answer::measured_primitive(
-        in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.object[in.index] : ray_truth.primitive);
+        in.format_inputs, in.index, answers.hit[in.index] != 0 ? answers.primitive[in.index] : ray_truth.primitive);
     explanation.primitive_index = static_cast<int>(primitive);
     explanation.shape = in.format_inputs.primitives[primitive].shape;
     const FormatInputs::OwnedTarget aim = in.format_inputs.target_for(form, primitive);

@@ -70,7 +70,7 @@ Format claim_format(const Claim& claim) {
     return *format;
 }
 
-ClaimResult judge(const Claim& claim, double measured, const evaluate::FormSummary* summary) {
+ClaimResult judge_measured_value(const Claim& claim, double measured, const evaluate::FormSummary* summary) {
     ClaimResult result;
     result.measured = measured;
     if (summary) {
@@ -178,8 +178,8 @@ TestedForm tested_form_of(const Claim& claim) {
     return {&form, format, claim.convention};
 }
 
-void require_proof(ClaimResult& result, std::uint64_t unproved_count, const char* singular_text,
-                   const char* plural_text) {
+void mark_if_unproved(ClaimResult& result, std::uint64_t unproved_count, const char* singular_text,
+                      const char* plural_text) {
     if (unproved_count == 0) return;
     result.state = ClaimResult::State::unmeasurable;
     result.reason = text::count_with_noun(unproved_count, singular_text, plural_text);

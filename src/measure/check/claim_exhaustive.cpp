@@ -145,10 +145,11 @@ ClaimResult judge_tally(const Claim& claim, std::size_t form_index, const Exhaus
     const double measured = claim.onset.empty() ? metric_value(claim, request.tested_forms[form_index], tally)
                             : onset             ? static_cast<double>(*onset)
                                                 : truth::missing;
-    ClaimResult result = judge(claim, measured, nullptr);
+    ClaimResult result = judge_measured_value(claim, measured, nullptr);
     result.float_count = tally.float_count();
     if (!claim.onset.empty() && !onset) result.reason = "it does not happen at any of the floats";
-    require_proof(result, tally.count(Outcome::unresolved), "float has no proved truth", "floats have no proved truth");
+    mark_if_unproved(result, tally.count(Outcome::unresolved), "float has no proved truth",
+                     "floats have no proved truth");
     // A command names a ray and its primitives by their numbers, and a mesh has too many numbers for that.
     if (const auto float_index = witness_float(claim, tally); float_index && !request.sweep.mesh)
         result.witness = make_witness_at(request, form_index, *float_index);

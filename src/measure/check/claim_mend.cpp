@@ -92,7 +92,7 @@ void measure(const SubjectClaims<MendSubject>& claims, const ClaimRequest& run) 
     for (const auto& [key, key_claims] : claims_by_key) {
         MendedForm form(key_claims.front().claim, key_claims.front().subject, run);
         for (const auto& [claim, subject, result] : key_claims)
-            result = judge(claim, measured_value(claim, form), nullptr);
+            result = judge_measured_value(claim, measured_value(claim, form), nullptr);
     }
 }
 

@@ -87,7 +87,8 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
     SubjectClaims<SceneSubject> picture_claims;
     for (const auto& subject_claim : claims) {
         const auto& [claim, subject, result] = subject_claim;
-        if (subject.step) result = judge(claim, march_value(claim, *subject.step, scene, {.stop = run.stop}), nullptr);
+        if (subject.step)
+            result = judge_measured_value(claim, march_value(claim, *subject.step, scene, {.stop = run.stop}), nullptr);
         else picture_claims.push_back(subject_claim);
     }
     if (picture_claims.empty()) return;
@@ -113,7 +114,7 @@ void measure(const SubjectClaims<SceneSubject>& claims, const ClaimRequest& run)
             subject.pixel ? summarise_pixel(claim, scene, tested_form, map_study.metrics, map_study.limit)
                           : evaluate::FormSummary();
         const evaluate::FormSummary& summary = subject.pixel ? pixel_summary : summaries[form_indices[k]];
-        result = judge(claim, columns.value(claim, summary), &summary);
+        result = judge_measured_value(claim, columns.value(claim, summary), &summary);
     }
 }
 

@@ -111,10 +111,10 @@ const StudyRow& find_row(const StudyClaim& subject_claim, const StudyNames& name
 
 void judge_claim(const StudyClaim& subject_claim, const StudyRow& row) {
     ClaimResult& result = subject_claim.result;
-    result = judge(subject_claim.claim, row.numbers.at(subject_claim.claim.metric), nullptr);
+    result = judge_measured_value(subject_claim.claim, row.numbers.at(subject_claim.claim.metric), nullptr);
     if (const auto witness = row.witnesses.find(subject_claim.claim.metric); witness != row.witnesses.end())
         result.witness = witness->second;
-    require_proof(result, row.unproved_count, "pixel has no proved truth", "pixels have no proved truth");
+    mark_if_unproved(result, row.unproved_count, "pixel has no proved truth", "pixels have no proved truth");
 }
 
 /// Claims that one run of a study measures.

@@ -86,12 +86,13 @@ void measure_draws(const SubjectClaims<Kind>& claims, const ClaimRequest& run, c
 scene::file::Scene load_single_scene(const scene::check::Claim& claim, const ClaimRequest& run);
 
 /// Compares a measurement with the expectation of a claim. `summary` (may be null) is the source of the number.
-ClaimResult judge(const scene::check::Claim& claim, double measured, const evaluate::FormSummary* summary);
+ClaimResult judge_measured_value(const scene::check::Claim& claim, double measured,
+                                 const evaluate::FormSummary* summary);
 
 /// Marks the result as unmeasurable if some truths are not proved. The reason is "1 pixel has no proved truth" or "3
 /// pixels have …".
-void require_proof(ClaimResult& result, std::uint64_t unproved_count, const char* singular_text,
-                   const char* plural_text);
+void mark_if_unproved(ClaimResult& result, std::uint64_t unproved_count, const char* singular_text,
+                      const char* plural_text);
 
 /// The format of a claim. Throws InputError for an unknown name.
 Format claim_format(const scene::check::Claim& claim);

@@ -43,7 +43,7 @@ void measure_cases(const SubjectClaims<SweepSubject>& claims, const std::filesys
             scene::toml::fail(claim.where, "sweep \"" + subject.name +
                                                "\" has cases, not axes; write `case = \"...\"` in claim.given");
         const auto summary = sweep::run_cases_together(request, k, file.cases_matching(named_case->name, claim.where));
-        result = judge(claim, columns.value(claim, summary), &summary);
+        result = judge_measured_value(claim, columns.value(claim, summary), &summary);
     }
 }
 
@@ -92,7 +92,7 @@ void measure_position(const AxesClaims& axes_claims, const sweep::SweepRequest& 
     for (std::size_t k = 0; k < axes_claims.claims.size(); ++k) {
         const auto& [claim, subject, result] = axes_claims.claims[k];
         const evaluate::FormSummary& summary = summaries[axes_claims.rows[k]];
-        result = judge(claim, axes_claims.columns.value(claim, summary), &summary);
+        result = judge_measured_value(claim, axes_claims.columns.value(claim, summary), &summary);
         if (!request.sweep.has_random_rays()) continue;
         result.sample_count = summary.view_count;
         if (summary.ray_count == summary.view_count)
@@ -121,7 +121,7 @@ void measure_onsets(const AxesClaims& axes_claims, sweep::SweepRequest request) 
                     "false_miss, not_a_number and, for marches, max_dist, max_steps, stagnated (count; 1)");
         }
 
-        result = judge(claim, onset->found ? onset->first_bad : missing, nullptr);
+        result = judge_measured_value(claim, onset->found ? onset->first_bad : missing, nullptr);
         if (request.sweep.has_random_rays()) result.sample_count = onset->view_count;
         if (!onset->found) result.reason = "it does not happen within the sweep";
     }
@@ -243,7 +243,8 @@ void measure_census(const SubjectClaims<SearchSubject>& claims, const std::files
     const auto findings = edges::search_edges(request);
     for (std::size_t k = 0; k < claims.size(); ++k) {
         const auto& [claim, subject, result] = claims[k];
-        result = judge(claim, static_cast<double>(count_rays(findings[rows[k]], census_metric(claim))), nullptr);
+        result = judge_measured_value(claim, static_cast<double>(count_rays(findings[rows[k]], census_metric(claim))),
+                                      nullptr);
     }
 }
 
@@ -276,7 +277,8 @@ std::vector<std::size_t> add_searched_forms(const SubjectClaims<SearchSubject>& 
 /// Judges a claim by the worst ray that was found. A wrong decision counts more than any number.
 ClaimResult judge_worst(const Claim& claim, const sweep::WorstResult& worst) {
     const bool is_right = worst.outcome == answer::Outcome::agree_hit;
-    ClaimResult result = judge(claim, is_right ? worst.value : std::numeric_limits<double>::infinity(), nullptr);
+    ClaimResult result =
+        judge_measured_value(claim, is_right ? worst.value : std::numeric_limits<double>::infinity(), nullptr);
     result.evaluation_count = worst.evaluation_count;
     scene::rays::RayGroup group = scene::rays::make_group(worst.ray);
     group.primitives = {worst.primitive};

@@ -176,7 +176,8 @@ namespace {
 ClaimResult judge_arithmetic(const Claim& claim, const TableSubject& subject, std::uint64_t seed) {
     const ArithmeticRow& row =
         measured_rows[index_of_name(claim, "row", subject.row, measured_rows, &ArithmeticRow::name)];
-    auto result = judge(claim, row.fraction(claim_format(claim).parameters, subject.argument, seed), nullptr);
+    auto result =
+        judge_measured_value(claim, row.fraction(claim_format(claim).parameters, subject.argument, seed), nullptr);
     result.sample_count = static_cast<std::uint64_t>(row.sample_count);
     return result;
 }
@@ -187,7 +188,7 @@ ClaimResult judge_closest(const Claim& claim, const TableSubject& subject, std::
     form_claim.form = subject.row;
     const double measured = find_for_claim(
         claim, [&] { return measure_closest_t_difference(tested_form_of(form_claim), subject.argument, seed, limit); });
-    auto result = judge(claim, measured, nullptr);
+    auto result = judge_measured_value(claim, measured, nullptr);
     result.sample_count = scene::box::BoxDistribution{}.views;
     return result;
 }

@@ -87,7 +87,7 @@ void measure(const SubjectClaims<TimingSubject>& claims, const ClaimRequest& run
         if (claim.metric != metric)
             scene::toml::fail(claim.where, "unknown metric \"" + claim.metric + "\"; write " + std::string(metric));
         const auto measure_metric = subject.uses_all_processors ? speedup_per_processor : speed_ratio;
-        result = judge(claim, measure_metric(claim, subject, bytes, run.stop), nullptr);
+        result = judge_measured_value(claim, measure_metric(claim, subject, bytes, run.stop), nullptr);
     }
 }
 
@@ -204,7 +204,7 @@ double choice_value(const Claim& claim, const ChoiceSubject& subject, const Clai
 
 void measure(const SubjectClaims<ChoiceSubject>& claims, const ClaimRequest& run) {
     for (const auto& [claim, subject, result] : claims)
-        result = judge(claim, choice_value(claim, subject, run), nullptr);
+        result = judge_measured_value(claim, choice_value(claim, subject, run), nullptr);
 }
 
 }  // namespace lostbits::measure::check

@@ -36,7 +36,9 @@ const RawKernels* current_kernels() {
 }
 
 /// Kernels for results that are the same in every width and have no scalar function.
-const RawKernels& kernels() { return kernels_of_width(intersect::simd::register_isa(intersect::simd::current_isa())); }
+const RawKernels& register_kernels() {
+    return kernels_of_width(intersect::simd::register_isa(intersect::simd::current_isa()));
+}
 
 void leave_all_to_scalar(std::span<const double> answers, std::initializer_list<double*> columns,
                          std::vector<std::uint32_t>& unhandled) {
@@ -59,7 +61,7 @@ void copy_lengths(const truth::RayTruths::Lengths& from, std::size_t begin, std:
         to.hi[i] = is_held ? hi : missing;
         to.lo[i] = lo;
         // If hi is a power of two and lo points towards zero, t* lies in the binade below.
-        to.inverse[i] = (hi == binade && lo < 0 ? 2.0 : 1.0) / binade;
+        to.inverse_binade[i] = (hi == binade && lo < 0 ? 2.0 : 1.0) / binade;
     }
 }
 
@@ -78,37 +80,38 @@ struct BlockIndices {
 
 void TrueLengths::resize(std::size_t ray_count) {
     decision.resize(ray_count);
-    object.resize(ray_count);
-    for (auto* column : {&hi, &lo, &inverse}) column->resize(ray_count);
+    primitive.resize(ray_count);
+    for (auto* column : {&hi, &lo, &inverse_binade}) column->resize(ray_count);
 }
 
 void TrueLengths::set(std::size_t i, const truth::Truth& ray_truth, Direction direction_kind) {
     const truth::CertifiedNumber& x = direction_kind == Direction::unit ? ray_truth.distance : ray_truth.t;
     decision[i] = ray_truth.decision;
-    object[i] = ray_truth.primitive;
+    primitive[i] = ray_truth.primitive;
     hi[i] = missing;
     if (!ray_truth.is_hit() || x.is_zero() || std::abs(x.exponent) > 400) return;
     if (x.lo != 0 && std::fabs(x.lo) < 0x1p-200) return;
     const int e = static_cast<int>(x.exponent);
     hi[i] = std::ldexp(x.hi, e);
     lo[i] = std::ldexp(x.lo, e);
-    inverse[i] = std::ldexp(1.0, -static_cast<int>(x.floor_log2()));
+    inverse_binade[i] = std::ldexp(1.0, -static_cast<int>(x.floor_log2()));
 }
 
-const BandColumns::CachedLengths* BandColumns::cached_lengths(Convention convention, Direction direction_kind) const {
+const BandTruthColumns::CachedLengths* BandTruthColumns::cached_lengths(Convention convention,
+                                                                        Direction direction_kind) const {
     const auto found = std::ranges::find_if(cached_, [&](const CachedLengths& f) {
         return f.convention == convention && f.direction_kind == direction_kind;
     });
     return found == cached_.end() ? nullptr : &*found;
 }
 
-const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction direction_kind) {
+const TrueLengths& BandTruthColumns::compute_lengths(Convention convention, Direction direction_kind) {
     if (const CachedLengths* const found = cached_lengths(convention, direction_kind)) return found->lengths;
     const truth::RayTruths& truths = band_->truths();
     TrueLengths& columns = cached_.emplace_back(CachedLengths{convention, direction_kind, {}}).lengths;
     columns.decision = truths.decision;
-    columns.object = truths.primitive;
-    for (auto* column : {&columns.hi, &columns.lo, &columns.inverse}) column->resize(truths.size());
+    columns.primitive = truths.primitive;
+    for (auto* column : {&columns.hi, &columns.lo, &columns.inverse_binade}) column->resize(truths.size());
     intersect::process::in_parallel(tbb::blocked_range<std::size_t>(0, truths.size(), 4096), [&](const auto& range) {
         copy_lengths(direction_kind == Direction::unit ? truths.distance : truths.t, range.begin(), range.end(),
                      columns);
@@ -123,8 +126,9 @@ const TrueLengths& BandColumns::compute_lengths(Convention convention, Direction
     return columns;
 }
 
-double find_errors(std::span<const double> answers, const TrueLengths& true_lengths, const FloatFormat& format,
-                   const ErrorColumns& out, std::vector<std::uint32_t>& unhandled) {
+double compute_error_columns(std::span<const double> answers, const TrueLengths& true_lengths,
+                             const FloatFormat& format, const ErrorColumns& out,
+                             std::vector<std::uint32_t>& unhandled) {
     const RawKernels* const raw_kernels = current_kernels();
     if (!raw_kernels) {
         leave_all_to_scalar(answers, {out.ulp, out.lost, out.correct, out.relative, out.absolute}, unhandled);
@@ -138,12 +142,12 @@ double find_errors(std::span<const double> answers, const TrueLengths& true_leng
         RawErrors batch{
             .size = std::min(rays_per_block, answers.size() - begin),
             .in = {answers.data() + begin, true_lengths.hi.data() + begin, true_lengths.lo.data() + begin,
-                   true_lengths.inverse.data() + begin},
+                   true_lengths.inverse_binade.data() + begin},
             .out = {column_from(out.ulp, begin), column_from(out.lost, begin), column_from(out.correct, begin),
                     column_from(out.relative, begin), column_from(out.absolute, begin)},
             .precision = static_cast<double>(format.precision),
             .ulps_of_binade = std::ldexp(1.0, format.precision - 1),
-            .max_inverse = std::ldexp(1.0, -format.emin),
+            .max_inverse_binade = std::ldexp(1.0, -format.emin),
             .largest = largest,
             .unhandled = block_indices.raw()};
 
@@ -154,8 +158,8 @@ double find_errors(std::span<const double> answers, const TrueLengths& true_leng
     return largest;
 }
 
-void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
-                    std::vector<std::uint32_t>& unhandled) {
+void compute_residual_columns(std::span<const double> answers, const HitPoints& points, double* out,
+                              std::vector<std::uint32_t>& unhandled) {
     const RawKernels* const raw_kernels = current_kernels();
     const Primitive<double> first = points.primitives[0];
     const Shape shape = first.shape;
@@ -220,10 +224,10 @@ void find_residuals(std::span<const double> answers, const HitPoints& points, do
 void add_absolute_values(std::span<const double> values, RawAbsoluteSums& sums) {
     sums.size = values.size();
     sums.values = values.data();
-    kernels().absolute_sums(sums);
+    register_kernels().absolute_sums(sums);
 }
 
-void keep_nearest(const RawHits<float>& hits) { kernels().hits32(hits); }
-void keep_nearest(const RawHits<double>& hits) { kernels().hits64(hits); }
+void keep_nearest(const RawHits<float>& hits) { register_kernels().hits32(hits); }
+void keep_nearest(const RawHits<double>& hits) { register_kernels().hits64(hits); }
 
 }  // namespace lostbits::measure::columns

@@ -14,20 +14,21 @@
 namespace lostbits::measure::columns {
 
 /// Truth of a band by one convention, with t in the unit of one kind of direction. |t*| is hi + lo. hi is NaN if there
-/// is no hit, if t* is 0, or if doubles cannot hold both parts (see `compute_errors`). `inverse` is 1/2^⌊log2 t*⌋.
+/// is no hit, if t* is 0, or if doubles cannot hold both parts (see `compute_errors`). `inverse_binade` is 1/2^⌊log2
+/// t*⌋.
 struct TrueLengths {
     std::vector<truth::Truth::Decision> decision;
-    std::vector<std::int32_t> object;
-    std::vector<double> hi, lo, inverse;
+    std::vector<std::int32_t> primitive;
+    std::vector<double> hi, lo, inverse_binade;
 
     void resize(std::size_t ray_count);
     void set(std::size_t i, const truth::Truth& ray_truth, intersect::Direction direction_kind);
 };
 
 /// Truth of a band as columns, for each convention and kind of direction in use.
-class BandColumns {
+class BandTruthColumns {
 public:
-    explicit BandColumns(const truth::Band& band) : band_(&band) {}
+    explicit BandTruthColumns(const truth::Band& band) : band_(&band) {}
     /// Computes the columns once. Unlike `lengths`, it must not be called by several threads at once.
     const TrueLengths& compute_lengths(intersect::Convention convention, intersect::Direction direction_kind);
     [[nodiscard]] const TrueLengths& lengths(intersect::Convention convention,
@@ -56,8 +57,8 @@ struct ErrorColumns {
 
 /// Computes the errors of `answers` (NaN: not measured) in a format. Adds the rays that are left to `unhandled`, and
 /// returns the largest |ulp| of the others, at least 0.
-double find_errors(std::span<const double> answers, const TrueLengths& true_lengths, const FloatFormat& format,
-                   const ErrorColumns& out, std::vector<std::uint32_t>& unhandled);
+double compute_error_columns(std::span<const double> answers, const TrueLengths& true_lengths,
+                             const FloatFormat& format, const ErrorColumns& out, std::vector<std::uint32_t>& unhandled);
 
 /// Inputs of hit points: the rays as the form received them, and the primitives. `primitive_indices` names the
 /// primitive of each measured answer.
@@ -70,8 +71,8 @@ struct HitPoints {
 
 /// Computes the residuals of `answers` (NaN: not measured). Adds the rays that are left to `unhandled`; these are all
 /// rays if the format is neither the machine's float nor its double, or if the primitives have several shapes.
-void find_residuals(std::span<const double> answers, const HitPoints& points, double* out,
-                    std::vector<std::uint32_t>& unhandled);
+void compute_residual_columns(std::span<const double> answers, const HitPoints& points, double* out,
+                              std::vector<std::uint32_t>& unhandled);
 
 /// Adds a column to the sums.
 void add_absolute_values(std::span<const double> values, RawAbsoluteSums& sums);

@@ -87,7 +87,8 @@ template <class Width>
 [[gnu::flatten]] void compute_errors(RawErrors& batch) {
     using P = Pack<double, Width>;
     const double *const answers = batch.in[RawErrors::answer], *const truth_hi = batch.in[RawErrors::hi];
-    const double *const truth_lo = batch.in[RawErrors::lo], *const inverses = batch.in[RawErrors::inverse];
+    const double *const truth_lo = batch.in[RawErrors::lo], *const inverse_binades =
+                                                                batch.in[RawErrors::inverse_binade];
 
     double *const ulp_out = batch.out[RawErrors::ulp], *const lost_out = batch.out[RawErrors::lost];
     double *const correct_out = batch.out[RawErrors::correct], *const relative_out = batch.out[RawErrors::relative];
@@ -95,7 +96,8 @@ template <class Width>
 
     const std::size_t size = batch.size;
     const P low(0x1p-400), high(0x1p+400), nan(std::numeric_limits<double>::quiet_NaN());
-    const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade), max_inverse(batch.max_inverse);
+    const P precision(batch.precision), ulps_of_binade(batch.ulps_of_binade),
+        max_inverse_binade(batch.max_inverse_binade);
     P largest(batch.largest);
     RawUnhandledRays unhandled = batch.unhandled;
 
@@ -111,7 +113,7 @@ template <class Width>
         const TwoWords<P> sum = stages::sum_of<P>(raw_difference.hi, tail);
         const P difference = sum.hi + (sum.lo + raw_difference.lo + P(0));
 
-        const P ulps = difference * (min(pass.load(inverses), max_inverse) * ulps_of_binade);
+        const P ulps = difference * (min(pass.load(inverse_binades), max_inverse_binade) * ulps_of_binade);
         const P magnitude = abs(ulps);
         pass.store(select(is_in_range, ulps, nan), ulp_out);
         largest = max(select(is_in_range, magnitude, P(0)), largest);

@@ -19,7 +19,7 @@ struct RawUnhandledRays {
 
 /// Differences between answers and truths. A ray whose `answer` is NaN is not measured, and its results are NaN.
 struct RawErrors {
-    enum In { answer, hi, lo, inverse, columns_in };
+    enum In { answer, hi, lo, inverse_binade, columns_in };
     enum Out { ulp, lost, correct, relative, absolute, columns_out };
 
     std::size_t size;
@@ -27,7 +27,7 @@ struct RawErrors {
     double* out[columns_out];      ///< null for columns that are not requested; `ulp` is required
     double precision;              ///< p
     double ulps_of_binade;         ///< 2^(p − 1)
-    double max_inverse;            ///< 2^−emin
+    double max_inverse_binade;     ///< 2^−emin
     double largest;                ///< input and output: the largest |ulp| so far
     RawUnhandledRays unhandled;
 };

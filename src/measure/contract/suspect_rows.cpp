@@ -24,7 +24,7 @@ void collect_samples(const truth::Band& band, const evaluate::TestedForm& tested
         const truth::Truth& ray_truth = band.truth(i, tested_form.convention());
         if (ray_truth.decision == truth::Truth::Decision::unresolved) continue;
         const std::size_t primitive =
-            answer::measured_primitive(in, i, ray_truth.is_hit() ? ray_truth.primitive : answers.object[i]);
+            answer::measured_primitive(in, i, ray_truth.is_hit() ? ray_truth.primitive : answers.primitive[i]);
         rays.push_back(make_answer_sample(in.rays_for(*tested_form.form->info)[i], in.primitives[primitive], ray_truth,
                                           tested_form, answers.hit[i] != 0, answers.t[i]));
     }

@@ -48,7 +48,7 @@ struct MatrixBounds {
 double growth_of(const Primitive<double>& primitive, const RayBounds& rays, const FloatFormat& format) {
     if (primitive.transform || !length_key(primitive.shape)) return 0;
     const auto ball = ball_around(primitive);
-    const double sum = sum_of_squares(rays.origin, length(ball.centre) + ball.radius);
+    const double sum = bound_sum_of_squares(rays.max_origin_distance, length(ball.centre) + ball.radius);
     if (!squares_are_safe(sum, ball.radius, rays, format)) return HUGE_VAL;
     return std::sqrt(std::ldexp(64, -format.precision) * sum);
 }
@@ -186,7 +186,7 @@ std::shared_ptr<const BoxTree> BoxTree::make(const PrimitiveList<double>& primit
     // 1/|d|.
     tree->relative_ = 0x1p-40 + std::min(largest_rounding, 0x1p-5);
     tree->reach_ = 1.75 * reach + 0x1p-149;
-    tree->behind_ = std::ldexp(largest_growth, -shift);
+    tree->max_distance_behind_ = std::ldexp(largest_growth, -shift);
 
     // Builds the tree below node 0, whose second child no ray meets.
     const auto count = static_cast<std::uint32_t>(tree->order_.size());
@@ -349,7 +349,7 @@ BoxTree::Walk::Walk(const BoxTree& tree, const Ray<double>& ray, std::vector<std
     const Vec<double> d(std::ldexp(ray.direction.x, -e), std::ldexp(ray.direction.y, -e),
                         std::ldexp(ray.direction.z, -e));
     const double margin = tree.relative_ * safe_length(o) + tree.relative_ * tree.reach_;
-    earliest_t_ = tree.behind_ == 0 ? 0 : -tree.behind_ / length(d);
+    earliest_t_ = tree.max_distance_behind_ == 0 ? 0 : -tree.max_distance_behind_ / length(d);
     for (std::size_t k = 0; k < 3; ++k) {
         const auto axis = static_cast<int>(k);
         const bool is_positive = !std::signbit(d[axis]);

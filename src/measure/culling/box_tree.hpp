@@ -132,7 +132,7 @@ private:
     std::vector<std::uint32_t> order_, unboxed_;
     int shift_ = 0;                    ///< corners, and the lengths below, are in units of 2^shift_
     double relative_ = 0, reach_ = 0;  ///< m = relative_ (|O| + reach_)
-    double behind_ = 0;                ///< a box may end up to this far behind the origin of a ray
+    double max_distance_behind_ = 0;   ///< a box may end up to this far behind the origin of a ray
 };
 
 }  // namespace lostbits::measure::culling

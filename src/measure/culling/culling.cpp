@@ -60,8 +60,6 @@ CandidateLists::CandidateLists(const CandidateLists& all_rays, std::span<const s
 
 namespace {
 
-double size_of(const Vec<double>& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
-
 /// Upper bound of the sum B of squares, and the radius of the smallest sphere.
 struct Extent {
     double sum = 0, min_radius = HUGE_VAL;
@@ -75,12 +73,12 @@ std::optional<Extent> measure_extent(const PrimitiveList<double>& primitives, co
         // The bound holds for forms of round primitives, in the space of the rays.
         if (!row_of(primitive.shape).is_ball || primitive.transform) return std::nullopt;
         const auto ball = ball_around(primitive);
-        const double distance = size_of(ball.centre) + ball.radius;
+        const double distance = length(ball.centre) + ball.radius;
         if (!(ball.radius > 0) || !std::isfinite(distance)) return std::nullopt;
         reach = std::max(reach, distance);
         extent.min_radius = std::min(extent.min_radius, ball.radius);
     }
-    extent.sum = sum_of_squares(rays.origin, reach);
+    extent.sum = bound_sum_of_squares(rays.max_origin_distance, reach);
     return extent;
 }
 
@@ -103,27 +101,30 @@ RayBounds bounds_of(const scene::rays::RayBlock& rays) {
     RayBounds bounds{0, HUGE_VAL, 0};
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const Ray<double> ray = rays[i];
-        const double d = size_of(ray.direction);
+        const double d = length(ray.direction);
         // NaN and infinity make every bound useless; these values mark that.
-        if (!std::isfinite(d) || !std::isfinite(size_of(ray.origin))) return {HUGE_VAL, 0, HUGE_VAL};
-        bounds.origin = std::max(bounds.origin, size_of(ray.origin));
-        bounds.direction = std::max(bounds.direction, d);
-        bounds.min_direction = std::min(bounds.min_direction, d);
+        if (!std::isfinite(d) || !std::isfinite(length(ray.origin))) return {HUGE_VAL, 0, HUGE_VAL};
+        bounds.max_origin_distance = std::max(bounds.max_origin_distance, length(ray.origin));
+        bounds.max_direction_length = std::max(bounds.max_direction_length, d);
+        bounds.min_direction_length = std::min(bounds.min_direction_length, d);
     }
     return bounds;
 }
 
 RayBounds join(const RayBounds& a, const RayBounds& b) {
-    return {std::max(a.origin, b.origin), std::min(a.min_direction, b.min_direction),
-            std::max(a.direction, b.direction)};
+    return {std::max(a.max_origin_distance, b.max_origin_distance),
+            std::min(a.min_direction_length, b.min_direction_length),
+            std::max(a.max_direction_length, b.max_direction_length)};
 }
 
-double sum_of_squares(double origin, double reach) {
-    return origin * origin + reach * reach + (origin + reach) * (origin + reach);
+double bound_sum_of_squares(double max_origin_distance, double reach) {
+    const double largest = max_origin_distance + reach;
+    return max_origin_distance * max_origin_distance + reach * reach + largest * largest;
 }
 
 bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& format) {
-    const double d2 = rays.direction * rays.direction, min_d2 = rays.min_direction * rays.min_direction;
+    const double d2 = rays.max_direction_length * rays.max_direction_length,
+                 min_d2 = rays.min_direction_length * rays.min_direction_length;
     const double largest = 64 * std::max({sum * d2, sum * d2 * d2, sum, d2}),
                  smallest = radius * radius * std::min({1.0, min_d2, min_d2 * min_d2});
     return std::log2(largest) < format.emax && std::log2(smallest) > format.emin + format.precision;
@@ -171,7 +172,7 @@ Culler::Culler(const scene::file::Scene& scene) {
     }
 
     // Ideal rays may have numbers that doubles cannot hold.
-    if (has_own_inputs && !(std::isfinite(bounds_.origin) && bounds_.min_direction > 0)) return;
+    if (has_own_inputs && !(std::isfinite(bounds_.max_origin_distance) && bounds_.min_direction_length > 0)) return;
     truth_ = make_index(has_own_inputs ? round_primitives(ideal_, binary64) : stored_, bounds_, nullptr);
 }
 
@@ -211,17 +212,20 @@ std::shared_ptr<const PrimitiveIndex> Culler::index_for(Use use, const FloatForm
     if (is_new) {
         // Bounds of the rays as the format rounds them.
         const double u = std::ldexp(1.0, -format.precision);
-        entry->second = make_index(
-            primitives,
-            {bounds_.origin * (1 + 2 * u), bounds_.min_direction * (1 - 2 * u), bounds_.direction * (1 + 2 * u)},
-            use == Use::forms ? &format : nullptr);
+        entry->second =
+            make_index(primitives,
+                       {bounds_.max_origin_distance * (1 + 2 * u), bounds_.min_direction_length * (1 - 2 * u),
+                        bounds_.max_direction_length * (1 + 2 * u)},
+                       use == Use::forms ? &format : nullptr);
     }
     return entry->second;
 }
 
 std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>& primitives, const RayBounds& rays,
                                                      const FloatFormat* format) {
-    if (primitives.size() < min_primitives || !std::isfinite(rays.origin) || !(rays.min_direction > 0)) return nullptr;
+    if (primitives.size() < min_primitives || !std::isfinite(rays.max_origin_distance) ||
+        !(rays.min_direction_length > 0))
+        return nullptr;
     const auto extent = measure_extent(primitives, rays);
     const auto is_safe_in = [&](const FloatFormat& tested) {
         return squares_are_safe(extent->sum, extent->min_radius, rays, tested);
@@ -230,17 +234,19 @@ std::shared_ptr<const SphereIndex> SphereIndex::make(const PrimitiveList<double>
 
     std::shared_ptr<SphereIndex> index(new SphereIndex);
     index->primitives_ = primitives;
-    index->rounding_ = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
-    index->origin_ = rays.origin;
+    index->rounding_factor_ = format ? 64 * std::ldexp(1.0, -format->precision) : 0;
+    index->max_origin_distance_ = rays.max_origin_distance;
     index->margin_ = 0x1p-40 * std::sqrt(extent->sum);
-    index->behind_ = std::sqrt(index->rounding_ * extent->sum) + index->margin_;
+    index->max_distance_behind_ = std::sqrt(index->rounding_factor_ * extent->sum) + index->margin_;
     index->make_blocks();
     index->make_pages();
     return index;
 }
 
 double SphereIndex::reach(const Vec<double>& centre, double radius) const {
-    return std::sqrt(radius * radius + rounding_ * sum_of_squares(origin_, size_of(centre) + radius)) * (1 + 0x1p-20) +
+    return std::sqrt(radius * radius +
+                     rounding_factor_ * bound_sum_of_squares(max_origin_distance_, length(centre) + radius)) *
+               (1 + 0x1p-20) +
            margin_;
 }
 
@@ -257,7 +263,7 @@ void SphereIndex::make_blocks() {
         double ball_reach = 0;
         for (std::size_t i = begin; i < end; ++i) {
             const auto [centre, radius] = ball_around(primitives_[i]);
-            ball_reach = std::max(ball_reach, size_of(centre - middle) + reach(centre, radius));
+            ball_reach = std::max(ball_reach, length(centre - middle) + reach(centre, radius));
         }
         blocks_.add(middle, ball_reach + margin_);
     }
@@ -273,18 +279,18 @@ void SphereIndex::make_pages() {
         const Vec<double> middle = bounds.middle();
         double ball_reach = 0;
         for (std::size_t b = begin; b < end; ++b)
-            ball_reach = std::max(ball_reach, size_of(blocks_.centre(b) - middle) + blocks_.reach[b]);
+            ball_reach = std::max(ball_reach, length(blocks_.centre(b) - middle) + blocks_.reach[b]);
         pages_.add(middle, ball_reach + margin_);
     }
 }
 
 SphereIndex::UnitRay::UnitRay(const Ray<double>& ray)
-    : origin(ray.origin), unit_direction(ray.direction / size_of(ray.direction)) {}
+    : origin(ray.origin), unit_direction(ray.direction / length(ray.direction)) {}
 
 bool SphereIndex::meets(const UnitRay& line, const Vec<double>& centre, double reach) const {
     const Vec<double> to_centre = centre - line.origin;
     const Vec<double> moment = cross(to_centre, line.unit_direction);
-    const bool is_ahead = dot(to_centre, line.unit_direction) >= -(reach + behind_);
+    const bool is_ahead = dot(to_centre, line.unit_direction) >= -(reach + max_distance_behind_);
     return is_ahead && dot(moment, moment) <= reach * reach;
 }
 

@@ -59,17 +59,17 @@ private:
 
 /// Bounds on the numbers of all rays of a picture.
 struct RayBounds {
-    double origin = 0;                        ///< upper bound of |origin|
-    double min_direction = 0, direction = 0;  ///< bounds of the lengths of the directions
+    double max_origin_distance = 0;                             ///< upper bound of |origin|
+    double min_direction_length = 0, max_direction_length = 0;  ///< bounds of |direction|
 };
 
 /// Bounds of the rays in a block; `join` returns bounds that hold for both.
 RayBounds bounds_of(const scene::rays::RayBlock& rays);
 RayBounds join(const RayBounds& a, const RayBounds& b);
 
-/// Upper bound of the sum of squares B (see `SphereIndex`), for rays with |O| ≤ `origin` and spheres with
-/// |G| + r ≤ `reach`.
-double sum_of_squares(double origin, double reach);
+/// Returns an upper bound of the sum of squares B (see `SphereIndex`), for rays with |O| ≤ `max_origin_distance` and
+/// spheres with |G| + r ≤ `reach`.
+double bound_sum_of_squares(double max_origin_distance, double reach);
 /// True if no square overflows or vanishes in the format when forms test a sphere with this B and this radius. They
 /// square lengths and multiply by |d|² and by 4; Newton's step multiplies once more by about as much.
 bool squares_are_safe(double sum, double radius, const RayBounds& rays, const FloatFormat& format);
@@ -141,10 +141,10 @@ private:
 
     scene::rays::PrimitiveList<double> primitives_;
     Balls pages_, blocks_;
-    double rounding_ = 0;  ///< 64·u
-    double origin_ = 0;    ///< upper bound of |O|
-    double margin_ = 0;    ///< covers this file's arithmetic
-    double behind_ = 0;    ///< distance behind the origin at which a candidate may end
+    double rounding_factor_ = 0;      ///< 64·u
+    double max_origin_distance_ = 0;  ///< upper bound of |O|
+    double margin_ = 0;               ///< covers this file's arithmetic
+    double max_distance_behind_ = 0;  ///< distance behind the origin at which a candidate may end
 };
 
 /// Primitives of a picture and their indices, made once for all of its bands. Not for several threads at once.

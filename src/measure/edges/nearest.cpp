@@ -38,7 +38,7 @@ scene::rays::RayBlock block_of(const std::vector<AimedRay>& batch) {
 /// True if the form also claims another triangle that the ray truly meets at the same t as the answered one.
 bool is_tie(const evaluate::BandResult& result, std::size_t i) {
     const auto& candidates = *result.inputs->candidates;
-    const auto answered = static_cast<std::size_t>(result.answers->object[i]);
+    const auto answered = static_cast<std::size_t>(result.answers->primitive[i]);
     const truth::Truth answered_truth = result.band->truth_of_primitive(i, answered, result.convention);
     for (std::size_t pair = candidates.first_pair(i); pair < candidates.first_pair(i + 1); ++pair) {
         if (result.answers->claimed[pair] == 0 || candidates.primitive(pair) == answered) continue;

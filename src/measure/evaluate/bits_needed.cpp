@@ -54,9 +54,9 @@ void test_precision(Scan& scan, const intersect::table::Intersector& form, const
     for (std::size_t k = 0; k < scan.pixels.size(); ++k) {
         const std::uint32_t i = scan.pixels[k];
         const bool is_wrong_primitive =
-            returns_t && !answer::meets_first(*result.band, i, answers.object[k], form.info->convention());
+            returns_t && !answer::meets_first(*result.band, i, answers.primitive[k], form.info->convention());
         if (is_precision_enough(result.truth(i), *form.info, precision,
-                                {answers.hit[k] != 0, answers.t[k], is_wrong_primitive ? answers.object[k] : -1},
+                                {answers.hit[k] != 0, answers.t[k], is_wrong_primitive ? answers.primitive[k] : -1},
                                 correct_bits))
             scan.pixels[kept_count++] = i;
         else result.bits_needed[i] = precision == max_precision ? beyond_max_precision : precision + 1;

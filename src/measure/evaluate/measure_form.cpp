@@ -97,13 +97,13 @@ private:
             ulps_ = spare_ulps_.data();
         }
 
-        largest_ulps_ = columns::find_errors(correct_t_, truth_, row_.format.parameters,
-                                             {.ulp = ulps_,
-                                              .lost = column_of(ColumnKernel::lost_bits),
-                                              .correct = column_of(ColumnKernel::correct_bits),
-                                              .relative = column_of(ColumnKernel::relative_error),
-                                              .absolute = column_of(ColumnKernel::absolute_error)},
-                                             remaining);
+        largest_ulps_ = columns::compute_error_columns(correct_t_, truth_, row_.format.parameters,
+                                                       {.ulp = ulps_,
+                                                        .lost = column_of(ColumnKernel::lost_bits),
+                                                        .correct = column_of(ColumnKernel::correct_bits),
+                                                        .relative = column_of(ColumnKernel::relative_error),
+                                                        .absolute = column_of(ColumnKernel::absolute_error)},
+                                                       remaining);
 
         for (const std::uint32_t i : remaining) {
             const Truth ray_truth = result_.truth(i);
@@ -118,8 +118,8 @@ private:
         double* const residuals = column_of(ColumnKernel::residual);
         if (!residuals) return;
         const FormatInputs& in = *result_.inputs;
-        columns::find_residuals(
-            correct_t_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->object, row_.format.engine},
+        columns::compute_residual_columns(
+            correct_t_, {in.rays_for(*row_.form->info), in.primitives, result_.answers->primitive, row_.format.engine},
             residuals, remaining);
     }
 
@@ -179,7 +179,7 @@ private:
     void measure_statements(std::size_t i, const Ray<double>& ray, const Which& applies) {
         const Truth ray_truth = result_.truth(i);
         const FormStatements statements(row_, needs_ & ~unsigned{metric::needs_end_margin}, *result_.inputs, ray, i,
-                                        measured_index(i), ray_truth.is_hit() ? truth_.object[i] : -1);
+                                        measured_index(i), ray_truth.is_hit() ? truth_.primitive[i] : -1);
         const Primitive<double> primitive = result_.inputs->primitives[measured_index(i)];
         Sample sample = sample_of(i, ray, primitive, ray_truth);
         statements.fill(sample);
@@ -208,7 +208,8 @@ private:
     /// `measured_primitive`.
     [[nodiscard]] std::size_t measured_index(std::size_t i) const {
         const bool hit = result_.answers->hit[i] != 0;
-        return answer::measured_primitive(*result_.inputs, i, hit ? result_.answers->object[i] : truth_.object[i]);
+        return answer::measured_primitive(*result_.inputs, i,
+                                          hit ? result_.answers->primitive[i] : truth_.primitive[i]);
     }
 
     /// The primitive that a ray misses most narrowly; empty if there are too many to compare.
@@ -296,7 +297,7 @@ private:
 
     /// The primitive that the form hit.
     [[nodiscard]] Primitive<double> primitive_of(std::size_t i) const {
-        return result_.inputs->primitives[result_.answers->object[i]];
+        return result_.inputs->primitives[result_.answers->primitive[i]];
     }
 
     template <class Which>
@@ -356,7 +357,7 @@ void measure_form(const FormRequest& request, const FormInputs& form_inputs, For
 
 void measure_form(const FormRequest& request, const truth::Band& band, const truth::FormatInputs& inputs,
                   FormSummary& summary) {
-    columns::BandColumns columns(band);
+    columns::BandTruthColumns columns(band);
     columns.compute_lengths(request.tested_form.convention(), request.tested_form.form->info->direction);
     measure_form(request, {band, inputs, columns}, summary);
 }

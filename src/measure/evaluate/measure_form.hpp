@@ -18,8 +18,8 @@ namespace lostbits::measure::evaluate {
 /// A band, with the inputs and columns that one row needs.
 struct FormInputs {
     const truth::Band& band;
-    const truth::FormatInputs& inputs;    ///< inputs in the form's format
-    const columns::BandColumns& columns;  ///< computed for the row's convention and unit
+    const truth::FormatInputs& inputs;         ///< inputs in the form's format
+    const columns::BandTruthColumns& columns;  ///< computed for the row's convention and unit
 };
 
 /// Truth of a band that several forms share: the inputs in each of their formats, and the true answers in each unit and
@@ -37,7 +37,7 @@ public:
 private:
     const truth::Band& band_;
     std::map<std::string, truth::FormatInputs> inputs_;
-    columns::BandColumns columns_;
+    columns::BandTruthColumns columns_;
 };
 
 /// Rays of a band that also get a summary of their own. `rays` holds their indices in rising order.

@@ -28,7 +28,7 @@ void find_outcomes(const answer::BandAnswers& band_answers, const columns::TrueL
                                                              answers.t[i] != answers.t[i])];
     for (std::size_t i = 0; i < n; ++i) {
         const bool is_wrong_primitive =
-            returns_t & (outcomes[i] == Outcome::agree_hit) & (answers.object[i] != truth.object[i]);
+            returns_t & (outcomes[i] == Outcome::agree_hit) & (answers.primitive[i] != truth.primitive[i]);
         outcomes[i] = is_wrong_primitive ? Outcome::wrong_primitive : outcomes[i];
     }
     if (returns_t) refine_outcomes(band_answers, truth, out.outcomes);
@@ -150,15 +150,16 @@ void RowSums::add(const RaySubset& part) const {
 WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     const bool hit = result_.answers->hit[i] != 0, returns_t = row_.form->info->roots != intersect::Roots::none;
     const Truth ray_truth = result_.truth(i);
-    const int object = hit ? result_.answers->object[i] : ray_truth.primitive;
-    const std::size_t primitive = answer::measured_primitive(*result_.inputs, i, object);
+    const int primitive_index = hit ? result_.answers->primitive[i] : ray_truth.primitive;
+    const std::size_t primitive = answer::measured_primitive(*result_.inputs, i, primitive_index);
 
     // Index of the band's first ray among all rays.
     const std::int64_t first = request_.first + std::int64_t{result_.y0} * result_.width;
     WorstRay w{.x = request_.first + static_cast<std::int64_t>(i % static_cast<std::size_t>(result_.width)),
                .y = result_.y0 + static_cast<int>(i / static_cast<std::size_t>(result_.width)),
                .group = request_.group,
-               .primitive_index = result_.inputs->is_paired && object >= 0 ? first + object : object,
+               .primitive_index =
+                   result_.inputs->is_paired && primitive_index >= 0 ? first + primitive_index : primitive_index,
                .size = 0,
                .ray = result_.inputs->rays[i],
                .primitive = result_.inputs->primitives[primitive],
@@ -172,7 +173,7 @@ WorstRay RowSums::ray_with_inputs(std::size_t i, Outcome outcome) const {
     // primitives.
     std::set<int> deciding;
     if (is_primitive(row_.form->shape)) {
-        if (hit) deciding.insert(object);
+        if (hit) deciding.insert(primitive_index);
         if (ray_truth.is_hit()) deciding.insert(ray_truth.primitive);
     }
     w.given = result_.band->make_original_group(i, deciding);

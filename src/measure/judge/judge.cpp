@@ -194,7 +194,7 @@ private:
                 answers.hit[i] = 0;
                 answers.t[i] = 0;
             }
-            if (answers.hit[i] != 0) answers.object[i] = find_object(piece, i);
+            if (answers.hit[i] != 0) answers.primitive[i] = find_object(piece, i);
         }
         return answers;
     }
@@ -299,7 +299,7 @@ private:
             const bool hit = piece.answers.hit[i] != 0;
             if (ray_truth.decision == truth::Truth::Decision::unresolved || !(hit || ray_truth.is_hit())) continue;
 
-            const int primitive = ray_truth.is_hit() ? ray_truth.primitive : piece.answers.object[i];
+            const int primitive = ray_truth.is_hit() ? ray_truth.primitive : piece.answers.primitive[i];
             result_.first_samples.push_back(contract::make_answer_sample(inputs.rays_for(*tested_form.form->info)[i],
                                                                          inputs.primitives[primitive], ray_truth,
                                                                          tested_form, hit, piece.answers.t[i]));

@@ -12,7 +12,7 @@ ReportedRay WorstRays::make_reported_ray(std::uint64_t first, std::size_t i, con
     // Two primitives decide which hit is nearest: the one that the form hits and the one truly hit.
     std::set<int> deciding;
     if (result.answers->march.empty()) {
-        if (result.answers->hit[i] != 0) deciding.insert(result.answers->object[i]);
+        if (result.answers->hit[i] != 0) deciding.insert(result.answers->primitive[i]);
         if (result.truth(i).is_hit()) deciding.insert(result.truth(i).primitive);
     }
     return {.ray_index = first + i,

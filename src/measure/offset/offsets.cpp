@@ -56,7 +56,7 @@ public:
                     if (!work_.measure(form_hit(i), result_.sides[i], by_strategy, study_.search_quiet_offset))
                         continue;
                     result_.is_point[i] = 1;
-                    result_.primitive[i] = answers_.object[i];
+                    result_.primitive[i] = answers_.primitive[i];
                     result_.ulp[i] = ulp_of(work_.hit_point(form_hit(i))->p);
                 }
             });
@@ -88,11 +88,11 @@ private:
     }
     [[nodiscard]] bool hits_true_primitive(std::size_t i) const {
         if (answers_.hit[i] == 0 || !(answers_.t[i] > 0)) return false;
-        return answer::meets_first(band_, i, answers_.object[i], row_.tested_form.convention());
+        return answer::meets_first(band_, i, answers_.primitive[i], row_.tested_form.convention());
     }
     [[nodiscard]] FormHit form_hit(std::size_t i) const {
         return {inputs_.rays_for(*row_.tested_form.form->info)[i], answers_.t[i],
-                static_cast<std::size_t>(answers_.object[i])};
+                static_cast<std::size_t>(answers_.primitive[i])};
     }
     [[nodiscard]] double ulp_of(const Vec<double>& p) const {
         const double size = largest_of(p);
@@ -141,8 +141,9 @@ private:
         for (const NewRay& ray : work_.rays(form_hit(i), *study_.strategies[k], side)) {
             for (std::size_t f = 0; f < fault_names.size(); ++f) {
                 if (s.first_faulty_rays[f] || !ray.has(static_cast<Fault>(f))) continue;
-                s.first_faulty_rays[f] = FaultyRay{pixel % result_.width, result_.y0 + pixel / result_.width,
-                                                   answers_.object[i], ray, inputs_.primitives[answers_.object[i]]};
+                s.first_faulty_rays[f] =
+                    FaultyRay{pixel % result_.width, result_.y0 + pixel / result_.width, answers_.primitive[i], ray,
+                              inputs_.primitives[answers_.primitive[i]]};
             }
         }
     }

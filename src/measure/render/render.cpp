@@ -109,7 +109,7 @@ public:
 private:
     [[nodiscard]] bool has_hit(std::size_t i) const { return answers_.hit[i] != 0; }
     [[nodiscard]] Primitive<double> hit_primitive(std::size_t i) const {
-        return inputs_.geometry.primitives[answers_.object[i]];
+        return inputs_.geometry.primitives[answers_.primitive[i]];
     }
     [[nodiscard]] bool takes_unit() const { return row_.form->info->direction == intersect::Direction::unit; }
 
@@ -119,7 +119,7 @@ private:
         for_each_pixel_in(row_.format, pixel_count_, study_.limit.stop, [&]<class T>(std::size_t i) {
             const Truth& ray_truth = band_.truth(i, intersect::Touching::hit);
             result_.true_primitive[i] = ray_truth.is_hit() ? ray_truth.primitive : -1;
-            result_.seen[i] = content_of(ray_truth, has_hit(i), answers_.t[i], answers_.object[i]);
+            result_.seen[i] = content_of(ray_truth, has_hit(i), answers_.t[i], answers_.primitive[i]);
             if (!has_hit(i)) return;
 
             const Ray<double> ray = rays_[i];
@@ -197,7 +197,7 @@ private:
         for (std::size_t i = 0; i < pixel_count_; ++i) {
             if (!has_light_ray(i)) continue;
             shadow_rays.add(light_rays[i].origin, light_rays[i].direction, light_rays[i].reach,
-                            has_hit(i) ? answers_.object[i] : -1);
+                            has_hit(i) ? answers_.primitive[i] : -1);
             ray_pixels.push_back(i);
         }
 
@@ -238,7 +238,7 @@ private:
 
     template <class T>
     [[nodiscard]] Vec<T> surface_colour(const ShadeRule& rule, std::size_t i) const {
-        const Paint<T> sphere_paint = lift_numbers(inputs_.appearance.paints[answers_.object[i]], lift<T, double>);
+        const Paint<T> sphere_paint = lift_numbers(inputs_.appearance.paints[answers_.primitive[i]], lift<T, double>);
         const Vec<T> p = lift_vec<T>(points_[i]);
         return shade<T>(sphere_paint, rule, blocker_bits_[i] != blocked_by_nothing,
                         {lift_vec<T>(normals_[i]), unit_of<T>(lift_vec<T>(inputs_.appearance.light) - p),

@@ -56,29 +56,29 @@ private:
     std::size_t steps_[count], pack_ = 0;
 };
 
-/// Calls `Step::run(cursor)` for each pack. (This function is flattened itself: GCC keeps calls in a lambda of a
+/// Calls `Step::apply(cursor)` for each pack. (This function is flattened itself: GCC keeps calls in a lambda of a
 /// flattened function.)
 template <class P, class Step, bool all_move>
 [[gnu::flatten]] void run_packs(double* scratch, const ColumnOperand* operands, std::size_t pack_count) {
-    ColumnCursor<P, Step::columns, all_move> cursor(scratch, operands);
+    ColumnCursor<P, Step::column_count, all_move> cursor(scratch, operands);
     for (std::size_t i = 0; i < pack_count; ++i) {
         cursor.move_to(i);
-        Step::run(cursor);
+        Step::apply(cursor);
     }
 }
 template <class P, class Step>
-void run(double* scratch, const ColumnOperand* operands, std::size_t pack_count) {
+void run_step(double* scratch, const ColumnOperand* operands, std::size_t pack_count) {
     bool all_move = true;
-    for (std::size_t k = 0; k < Step::columns; ++k) all_move = all_move && operands[k].step != 0;
+    for (std::size_t k = 0; k < Step::column_count; ++k) all_move = all_move && operands[k].step != 0;
     if (all_move) run_packs<P, Step, true>(scratch, operands, pack_count);
     else run_packs<P, Step, false>(scratch, operands, pack_count);
 }
 
 template <ColumnOperation operation, class P>
 struct WordStep {
-    static constexpr std::size_t columns = column_count_of(operation);
+    static constexpr std::size_t column_count = column_count_of(operation);
     template <class Cursor>
-    [[gnu::always_inline]] static void run(const Cursor& cursor) {
+    [[gnu::always_inline]] static void apply(const Cursor& cursor) {
         using enum ColumnOperation;
         using lostbits::abs;
         using lostbits::max;
@@ -118,34 +118,35 @@ struct WordStep {
 /// The bounded numbers of an instruction. If bit k of `exact_mask` is set, number k is exact: it has one word and no
 /// bound. `exact_mask` is a template argument, so the compiler drops the operations on words and bounds that do not
 /// exist.
-template <class W, unsigned exact_mask, std::size_t count>
+template <class Number, unsigned exact_mask, std::size_t count>
 struct BoundedOperands {
-    using E = RunningError<W>;
-    using P = typename E::P;
-    static constexpr bool has_two = !std::is_same_v<W, P>;
+    using Bounded = RunningError<Number>;
+    using P = typename Bounded::P;
+    static constexpr bool has_two_words = !std::is_same_v<Number, P>;
 
     static constexpr std::size_t index_of(std::size_t operand) {
         std::size_t index = 0;
-        for (std::size_t k = 0; k < operand; ++k) index += (exact_mask >> k & 1) != 0 ? 1 : has_two ? 3 : 2;
+        for (std::size_t k = 0; k < operand; ++k) index += (exact_mask >> k & 1) != 0 ? 1 : has_two_words ? 3 : 2;
         return index;
     }
     /// Number of columns, for operands and results.
-    static constexpr std::size_t columns(bool is_decision) {
-        return index_of(count) + (is_decision || !has_two ? 2 : 3);
+    static constexpr std::size_t column_count(bool is_decision) {
+        return index_of(count) + (is_decision || !has_two_words ? 2 : 3);
     }
     template <std::size_t k, class Cursor>
-    [[gnu::always_inline]] static E load(const Cursor& cursor) {
+    [[gnu::always_inline]] static Bounded load(const Cursor& cursor) {
         constexpr std::size_t index = index_of(k);
-        if constexpr ((exact_mask >> k & 1) != 0) return E(W(cursor.word(index)), P(0));
-        else if constexpr (has_two) return E(W(cursor.word(index), cursor.word(index + 1)), cursor.word(index + 2));
-        else return E(cursor.word(index), cursor.word(index + 1));
+        if constexpr ((exact_mask >> k & 1) != 0) return Bounded(Number(cursor.word(index)), P(0));
+        else if constexpr (has_two_words)
+            return Bounded(Number(cursor.word(index), cursor.word(index + 1)), cursor.word(index + 2));
+        else return Bounded(cursor.word(index), cursor.word(index + 1));
     }
     template <class Cursor>
-    [[gnu::always_inline]] static void store(const Cursor& cursor, const E& x) {
+    [[gnu::always_inline]] static void store(const Cursor& cursor, const Bounded& x) {
         constexpr std::size_t index = index_of(count);
         cursor.store(index, x.first());
-        if constexpr (has_two) cursor.store(index + 1, x.second());
-        cursor.store(index + (has_two ? 2 : 1), x.bound());
+        if constexpr (has_two_words) cursor.store(index + 1, x.second());
+        cursor.store(index + (has_two_words ? 2 : 1), x.bound());
     }
     template <class Cursor>
     [[gnu::always_inline]] static void store(const Cursor& cursor, const TriMask<mask_t<P>>& x) {
@@ -154,8 +155,8 @@ struct BoundedOperands {
     }
 };
 
-template <ColumnOperation operation, class E, class... Es>
-[[gnu::always_inline]] inline auto result_of(const E& a, const Es&... others) {
+template <ColumnOperation operation, class Bounded, class... Others>
+[[gnu::always_inline]] inline auto compute(const Bounded& a, const Others&... others) {
     using enum ColumnOperation;
     if constexpr (operation == bounded_square) return square(a, others...);
     else if constexpr (operation == bounded_root) return sqrt(a, others...);
@@ -171,47 +172,47 @@ template <ColumnOperation operation, class E, class... Es>
     else if constexpr (operation == ColumnOperation::bounded_square_sum) return sum_of_squares(a, others...);
 }
 
-template <ColumnOperation operation, unsigned exact_mask, class W>
+template <ColumnOperation operation, unsigned exact_mask, class Number>
 struct BoundedStep {
     static constexpr std::size_t count = bounded_operand_count(operation);
     static constexpr bool is_decision =
         operation == ColumnOperation::bounded_less || operation == ColumnOperation::bounded_at_most;
-    using Operands = BoundedOperands<W, exact_mask, count>;
-    static constexpr std::size_t columns = Operands::columns(is_decision);
+    using Operands = BoundedOperands<Number, exact_mask, count>;
+    static constexpr std::size_t column_count = Operands::column_count(is_decision);
 
     template <class Cursor>
-    [[gnu::always_inline]] static void run(const Cursor& cursor) {
-        run(cursor, std::make_index_sequence<count>());
+    [[gnu::always_inline]] static void apply(const Cursor& cursor) {
+        apply_to_operands(cursor, std::make_index_sequence<count>());
     }
 
 private:
     template <class Cursor, std::size_t... k>
-    [[gnu::always_inline]] static void run(const Cursor& cursor, std::index_sequence<k...>) {
-        Operands::store(cursor, result_of<operation>(Operands::template load<k>(cursor)...));
+    [[gnu::always_inline]] static void apply_to_operands(const Cursor& cursor, std::index_sequence<k...>) {
+        Operands::store(cursor, compute<operation>(Operands::template load<k>(cursor)...));
     }
 };
 
-template <class W, ColumnOperation operation>
+template <class Number, ColumnOperation operation>
 void fill_kernels(ColumnKernels::OperationKernels& kernels) {
-    using P = typename RunningError<W>::P;
+    using P = typename RunningError<Number>::P;
     constexpr std::size_t operands = bounded_operand_count(operation);
     if constexpr (operands == 0) {
-        kernels.fill(run<P, WordStep<operation, P>>);
+        kernels.fill(run_step<P, WordStep<operation, P>>);
     } else {
         [&]<std::size_t... masks>(std::index_sequence<masks...>) {
             const auto fill = [&]<std::size_t mask>() {
                 if constexpr (exact_operands_with_kernel(mask, operands) == mask)
-                    kernels[mask] = run<P, BoundedStep<operation, mask, W>>;
+                    kernels[mask] = run_step<P, BoundedStep<operation, mask, Number>>;
             };
             (fill.template operator()<masks>(), ...);
         }
         (std::make_index_sequence<std::size_t{1} << operands>());
     }
 }
-template <class W>
+template <class Number>
 void fill_kernels(ColumnKernels::WordKernels& kernels) {
     [&]<std::size_t... k>(std::index_sequence<k...>) {
-        (fill_kernels<W, static_cast<ColumnOperation>(k)>(kernels[k]), ...);
+        (fill_kernels<Number, static_cast<ColumnOperation>(k)>(kernels[k]), ...);
     }
     (std::make_index_sequence<number::wide::column_operation_count - 1>());  // a gate has no kernel
 }

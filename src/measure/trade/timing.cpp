@@ -32,7 +32,7 @@ double measure_seconds(const TimedWork& work, std::uint64_t pass_count) {
 }
 
 /// Returns the number of passes that last `min_seconds` seconds, found by doubling.
-std::uint64_t find_passes(const TimedWork& work, double min_seconds) {
+std::uint64_t find_pass_count(const TimedWork& work, double min_seconds) {
     work.pass();
     for (std::uint64_t pass_count = 1;; pass_count *= 2) {
         const double seconds = measure_seconds(work, pass_count);
@@ -169,7 +169,7 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
     std::vector<std::uint64_t> passes;
     for (const TimedWork& w : work) {
         plan.stop.check();
-        passes.push_back(find_passes(w, plan.min_seconds));
+        passes.push_back(find_pass_count(w, plan.min_seconds));
     }
 
     // Runs all work in each round, in a new order.
@@ -181,7 +181,7 @@ std::vector<std::vector<double>> sample_interleaved(std::span<const TimedWork> w
         for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
         for (const std::size_t i : order) {
             plan.stop.check();
-            if (work[i].warms_up) work[i].pass();
+            if (work[i].needs_warm_up) work[i].pass();
             samples[i].push_back(measure_seconds(work[i], passes[i]) /
                                  static_cast<double>(passes[i] * work[i].item_count));
             plan.progress(1);

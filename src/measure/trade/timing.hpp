@@ -43,7 +43,7 @@ std::string read_processor_name();
 struct TimedWork {
     std::function<void()> pass;
     std::size_t item_count;  ///< items in one pass
-    bool warms_up;           ///< an untimed pass runs first, so that the data are in the same cache as the last time
+    bool needs_warm_up;      ///< an untimed pass runs first, so that the data are in the same cache as the last time
 };
 
 struct TimingPlan {

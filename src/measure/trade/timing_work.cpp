@@ -37,13 +37,14 @@ const Row* row_of(std::span<const Row> rows, std::string_view form) {
 }
 
 template <class S>
-TimedWork packed_work(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel, bool warms_up) {
-    return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), warms_up};
+TimedWork packed_work(const std::shared_ptr<BoxField<S>>& field, intersect::simd::ManyKernel<S> kernel,
+                      bool needs_warm_up) {
+    return {[field, kernel] { kernel(field->ray, field->arrays(), field->t); }, field->t.size(), needs_warm_up};
 }
 
 template <class S, class Kernel>
-TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool warms_up) {
-    return {[store, kernel] { store->run(kernel); }, store->rays_per_run(), warms_up};
+TimedWork packed_work(const std::shared_ptr<RayStore<S>>& store, Kernel kernel, bool needs_warm_up) {
+    return {[store, kernel] { store->run(kernel); }, store->rays_per_run(), needs_warm_up};
 }
 
 }  // namespace
@@ -161,7 +162,7 @@ const std::shared_ptr<std::vector<intersect::simd::PlainBox>>& BoxWork::box_stru
 }
 
 std::optional<TimedWork> BoxWork::work_for(const TimedKernel& kernel) {
-    const bool warms_up = fits_in_cache(bytes_);
+    const bool needs_warm_up = fits_in_cache(bytes_);
 
     // Loops as other projects write them
     const intersect::simd::PlainFormKernels* const plain =
@@ -172,21 +173,21 @@ std::optional<TimedWork> BoxWork::work_for(const TimedKernel& kernel) {
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = f32()->pointers(), loop = plain->columns] {
                              loop(ray.data(), boxes.data(), field->t.data(), field->t.size());
                          },
-                         f32()->t.size(), warms_up};
+                         f32()->t.size(), needs_warm_up};
     if (plain && kernel.kernel_name == "plain-structs-256")
         return TimedWork{[field = f32(), ray = f32()->ray_numbers(), boxes = box_structs(), loop = plain->structs] {
                              loop(ray.data(), boxes->data(), field->t.data(), field->t.size());
                          },
-                         f32()->t.size(), warms_up};
+                         f32()->t.size(), needs_warm_up};
 
     // Kernels of the forms
     const auto isa = intersect::simd::find_isa(kernel.kernel_name);
     const intersect::simd::ManyFormKernels* const row =
         isa ? row_of(intersect::simd::all_many_kernels(*isa), kernel.form_name) : nullptr;
     if (row && row->takes_tmax && row->f32 && kernel.format_name == "f32")
-        return packed_work(f32(), row->f32, warms_up);
+        return packed_work(f32(), row->f32, needs_warm_up);
     if (row && row->takes_tmax && row->f64 && kernel.format_name == "f64")
-        return packed_work(f64(), row->f64, warms_up);
+        return packed_work(f64(), row->f64, needs_warm_up);
     return std::nullopt;
 }
 
@@ -195,10 +196,10 @@ std::optional<TimedWork> RayWork::work_for(const TimedKernel& kernel) {
     const intersect::simd::PackedFormKernels* const row =
         isa ? row_of(intersect::simd::all_packed_kernels(*isa), kernel.form_name) : nullptr;
     if (!row) return std::nullopt;
-    const bool warms_up = fits_in_cache(bytes_);
+    const bool needs_warm_up = fits_in_cache(bytes_);
     const Shape shape = intersect::table::catalogue()[row - intersect::simd::all_packed_kernels(*isa).data()].shape;
-    if (row->f32 && kernel.format_name == "f32") return packed_work(f32(shape), row->f32, warms_up);
-    if (row->f64 && kernel.format_name == "f64") return packed_work(f64(shape), row->f64, warms_up);
+    if (row->f32 && kernel.format_name == "f32") return packed_work(f32(shape), row->f32, needs_warm_up);
+    if (row->f64 && kernel.format_name == "f64") return packed_work(f64(shape), row->f64, needs_warm_up);
     return std::nullopt;
 }
 

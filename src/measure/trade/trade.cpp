@@ -27,8 +27,8 @@ struct Stores {
 };
 
 template <class S, class Kernel>
-TimedWork work_on(RayStore<S>& store, Kernel kernel, bool warms_up) {
-    return {[&store, kernel] { store.run(kernel); }, store.rays_per_run(), warms_up};
+TimedWork work_on(RayStore<S>& store, Kernel kernel, bool needs_warm_up) {
+    return {[&store, kernel] { store.run(kernel); }, store.rays_per_run(), needs_warm_up};
 }
 
 /// Fills `times`: every kernel on rays of the scene, interleaved.
@@ -73,9 +73,9 @@ void time_on_loads(const TradeRequest& request, TradeResult& result) {
     for (std::size_t k = 0; k < request.kernels.size(); ++k) {
         const TradeKernel& kernel = request.kernels[k];
         for (std::size_t l = 0; l < stores.size(); ++l) {
-            const bool warms_up = request.loads[l].working_set != "memory";
-            work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, warms_up)
-                                      : work_on(*stores[l].f64, kernel.f64, warms_up));
+            const bool needs_warm_up = request.loads[l].working_set != "memory";
+            work.push_back(kernel.f32 ? work_on(*stores[l].f32, kernel.f32, needs_warm_up)
+                                      : work_on(*stores[l].f64, kernel.f64, needs_warm_up));
             const auto [bytes, ray_count] = kernel.f32 ? std::pair(stores[l].f32->bytes(), stores[l].f32->ray_count())
                                                        : std::pair(stores[l].f64->bytes(), stores[l].f64->ray_count());
             result.times[k].push_back({{}, bytes, ray_count, request.loads[l].hit_rate});

@@ -105,7 +105,7 @@ struct RowPair {
 
     /// True if the rows have equally many rays, but the bounds of their true hits do not overlap. False if a bound is
     /// NaN.
-    [[nodiscard]] bool has_other_truth() const {
+    [[nodiscard]] bool have_different_true_hits() const {
         const auto [smallest, largest] = true_hits(a, row_in_a);
         const auto [other_smallest, other_largest] = true_hits(b, row_in_b);
         return number_in_column(a, row_in_a, "rays") == number_in_column(b, row_in_b, "rays") &&
@@ -125,7 +125,7 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
     for (const auto& [x, y, tolerance] : pairs) {
         const bool is_decision = is_wrong_decision(x->name), is_lost_bits = x->name == "lost_bits_p99";
         if (!is_decision && !is_lost_bits) continue;
-        (is_decision ? verdict.by_decisions : verdict.by_bits) = true;
+        (is_decision ? verdict.compares_decisions : verdict.compares_bits) = true;
 
         const double before = cell_number(x->cells[rows.row_in_a]), after = cell_number(y->cells[rows.row_in_b]);
         if (is_decision && before > 0) first_wrong += before;
@@ -135,15 +135,15 @@ RowVerdict judge_rows(const std::vector<ColumnPair>& pairs, const RowPair& rows,
         else if (std::isnan(after - before)) is_one_sided |= is_lost_bits && std::isnan(after) != std::isnan(before);
         else (is_decision ? more_wrong : more_bits) += after - before;
     }
-    if (!verdict.by_decisions && !verdict.by_bits) return verdict;
+    if (!verdict.compares_decisions && !verdict.compares_bits) return verdict;
 
     // Wrong decisions count before lost bits.
-    verdict.by_fractions = compares_fractions && verdict.by_decisions;
+    verdict.compares_fractions = compares_fractions && verdict.compares_decisions;
     const double more_errors = more_wrong != 0 ? more_wrong : more_bits;
-    if (compares_two_forms && rows.has_other_truth()) ++verdict.with_other_truth;
-    else if (more_wrong == 0 && is_one_sided) ++verdict.with_one_sided_bits;
+    if (compares_two_forms && rows.have_different_true_hits()) ++verdict.different_truth_count;
+    else if (more_wrong == 0 && is_one_sided) ++verdict.one_sided_bits_count;
     else ++(more_errors < 0 ? verdict.better : more_errors > 0 ? verdict.worse : verdict.equal);
-    verdict.with_other_hits =
+    verdict.other_hits_count =
         compares_two_forms && more_wrong == 0 && first_wrong > 0 ? verdict.better + verdict.worse : 0;
     return verdict;
 }
@@ -154,43 +154,44 @@ void RowVerdict::add(const RowVerdict& other) {
     better += other.better;
     worse += other.worse;
     equal += other.equal;
-    with_other_truth += other.with_other_truth;
-    with_one_sided_bits += other.with_one_sided_bits;
-    with_other_hits += other.with_other_hits;
-    by_decisions |= other.by_decisions;
-    by_bits |= other.by_bits;
-    by_fractions |= other.by_fractions;
+    different_truth_count += other.different_truth_count;
+    one_sided_bits_count += other.one_sided_bits_count;
+    other_hits_count += other.other_hits_count;
+    compares_decisions |= other.compares_decisions;
+    compares_bits |= other.compares_bits;
+    compares_fractions |= other.compares_fractions;
 }
 
 std::string RowVerdict::text(const std::string& second) const {
     std::vector<std::string> lines;
-    if (with_other_truth > 0)
+    if (different_truth_count > 0)
         lines.push_back(
             fmt::format("not comparable in {}: the two forms are asked different questions, so other rays are "
                         "hits (agree_hit + false_miss differ)",
-                        text::count_with_noun(with_other_truth, "row")));
-    if (with_one_sided_bits > 0)
+                        text::count_with_noun(different_truth_count, "row")));
+    if (one_sided_bits_count > 0)
         lines.push_back(
             fmt::format("not comparable in {}: as many wrong decisions, but only one side has a lost_bits_p99",
-                        text::count_with_noun(with_one_sided_bits, "row")));
-    if (with_other_hits > 0)
+                        text::count_with_noun(one_sided_bits_count, "row")));
+    if (other_hits_count > 0)
         lines.push_back(fmt::format(
             "in {} both forms decide equally many rays wrongly, perhaps not the same ones: each lost_bits_p99 is "
             "over its own hits; `lostbits map --against` compares the hits that both have",
-            text::count_with_noun(with_other_hits, "row")));
+            text::count_with_noun(other_hits_count, "row")));
     if (better + worse + equal > 0)
-        lines.push_back(fmt::format("{} is better in {}, worse in {}, the same in {} (compared by {}{}{}{})", second,
-                                    text::count_with_noun(better, "row"), worse, equal,
-                                    by_fractions ? "the share of " : "", by_decisions ? "wrong decisions" : "",
-                                    by_decisions && by_bits ? ", then by " : "", by_bits ? "lost_bits_p99" : ""));
+        lines.push_back(
+            fmt::format("{} is better in {}, worse in {}, the same in {} (compared by {}{}{}{})", second,
+                        text::count_with_noun(better, "row"), worse, equal, compares_fractions ? "the share of " : "",
+                        compares_decisions ? "wrong decisions" : "",
+                        compares_decisions && compares_bits ? ", then by " : "", compares_bits ? "lost_bits_p99" : ""));
     return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
 void RowChanges::add(RowChanges other) {
     verdict.add(other.verdict);
-    compared_count += other.compared_count;
-    changed += other.changed;
-    count += other.count;
+    compared_row_count += other.compared_row_count;
+    changed_row_count += other.changed_row_count;
+    difference_count += other.difference_count;
     const auto append = [](auto& target, auto& source) {
         target.insert(target.end(), std::make_move_iterator(source.begin()), std::make_move_iterator(source.end()));
     };
@@ -198,9 +199,9 @@ void RowChanges::add(RowChanges other) {
     append(only_b, other.only_b);
     append(outcomes, other.outcomes);
     append(cells, other.cells);
-    append(columns, other.columns);
-    append(names, other.names);
-    reference_columns.merge(other.reference_columns);
+    append(one_sided_columns, other.one_sided_columns);
+    append(column_names, other.column_names);
+    changed_reference_columns.merge(other.changed_reference_columns);
 }
 
 void RowChanges::sort() {
@@ -224,18 +225,21 @@ std::vector<ColumnPair> pair_columns(const CsvTable& a, const CsvTable& b, const
     std::set<const CsvColumn*> keys;
     for (const CsvColumn* key : key_columns(a)) keys.insert(key);
     for (const CsvColumn& column : a.columns) {
-        changes.names.push_back(column.name);
+        changes.column_names.push_back(column.name);
         if (is_ignored(options, column.name) || keys.contains(&column)) continue;
         const CsvColumn* const other = b.find(column.name);
         if (other != nullptr) pairs.push_back({&column, other, tolerance_of(column.name, options)});
-        else changes.columns.push_back(fmt::format("{}column {} is missing in the second", subject, column.name));
+        else
+            changes.one_sided_columns.push_back(
+                fmt::format("{}column {} is missing in the second", subject, column.name));
     }
 
     for (const CsvColumn& column : b.columns) {
         if (a.find(column.name) != nullptr) continue;
-        changes.names.push_back(column.name);
+        changes.column_names.push_back(column.name);
         if (!is_ignored(options, column.name))
-            changes.columns.push_back(fmt::format("{}column {} is added in the second", subject, column.name));
+            changes.one_sided_columns.push_back(
+                fmt::format("{}column {} is added in the second", subject, column.name));
     }
     return pairs;
 }
@@ -255,7 +259,7 @@ void record_changes(const std::vector<ColumnPair>& pairs, const RowPair& rows, c
             continue;
 
         differs = true;
-        ++changes.count;
+        ++changes.difference_count;
         if (is_outcome(x->name)) {
             outcome.text += fmt::format("{}{} {} to {}", outcome.text.empty() ? "" : ", ", x->name, before, after);
             outcome.rays += verdict.absolute;
@@ -264,10 +268,10 @@ void record_changes(const std::vector<ColumnPair>& pairs, const RowPair& rows, c
             const double size = !verdict.has_distances ? HUGE_VAL : is_bits ? verdict.absolute : verdict.relative;
             changes.cells.push_back({key, x->name, cell_or_empty(before), cell_or_empty(after), is_bits, size});
         } else {
-            changes.reference_columns.insert(x->name);
+            changes.changed_reference_columns.insert(x->name);
         }
     }
-    changes.changed += differs;
+    changes.changed_row_count += differs;
     if (!outcome.text.empty()) changes.outcomes.push_back(std::move(outcome));
 }
 
@@ -289,7 +293,7 @@ RowChanges compare_rows(const CsvTable& a, const CsvTable& b, const std::string&
             changes.only_a.push_back(subject + key);
             continue;
         }
-        ++changes.compared_count;
+        ++changes.compared_row_count;
         const RowPair rows{a, b, rows_of_a.index_of.at(key), match->second};
         changes.verdict.add(judge_rows(pairs, rows, compares_two_forms));
         record_changes(pairs, rows, subject + key, compares_two_forms, changes);

@@ -37,13 +37,15 @@ struct OutcomeChange {
 /// fractions of the rays are compared. Rows of tables that have neither column are left out.
 struct RowVerdict {
     std::uint64_t better = 0, worse = 0, equal = 0;
-    std::uint64_t with_other_truth = 0;  ///< for two forms: rows with equally many rays, but not equally many true hits
-    /// Rows with equally many wrong decisions, if only one side has a `lost_bits_p99`.
-    std::uint64_t with_one_sided_bits = 0;
+    /// For two forms: number of rows with equally many rays, but not equally many true hits.
+    std::uint64_t different_truth_count = 0;
+    /// Number of rows with equally many wrong decisions, if only one side has a `lost_bits_p99`.
+    std::uint64_t one_sided_bits_count = 0;
     /// For two forms: number of `better` and `worse` rows that were decided by bits although both forms decide some
     /// rays wrongly. The forms decide equally many rays wrongly, but not always the same ones.
-    std::uint64_t with_other_hits = 0;
-    bool by_decisions = false, by_bits = false, by_fractions = false;  ///< columns that the tables have
+    std::uint64_t other_hits_count = 0;
+    /// What the columns of the tables allow to compare.
+    bool compares_decisions = false, compares_bits = false, compares_fractions = false;
 
     void add(const RowVerdict& other);
     /// `out/b is better in 3 rows, worse in 1, the same in 40 (compared by wrong decisions, then by lost_bits_p99)`,
@@ -52,19 +54,21 @@ struct RowVerdict {
 };
 
 struct RowChanges {
-    std::uint64_t compared_count = 0, changed = 0;  ///< rows in both tables, and how many of them differ
-    std::vector<std::string> only_a, only_b;        ///< rows without a partner
-    std::vector<OutcomeChange> outcomes;            ///< changed outcomes, the row with the most rays first
+    std::uint64_t compared_row_count = 0, changed_row_count = 0;  ///< rows in both tables, and how many of them differ
+    std::vector<std::string> only_a, only_b;                      ///< rows without a partner
+    std::vector<OutcomeChange> outcomes;  ///< changed outcomes, the row with the most rays first
     /// Changed values other than outcomes and references: bits first, then the largest change first.
     std::vector<CellChange> cells;
-    std::uint64_t count = 0;           ///< number of cells that differ, in all kinds of columns
-    std::vector<std::string> columns;  ///< columns that only one table has
+    std::uint64_t difference_count = 0;          ///< number of cells that differ, in all kinds of columns
+    std::vector<std::string> one_sided_columns;  ///< columns that only one table has
     /// Columns that name a ray or a command (references) and differ in some row. Their cells are in neither list above.
-    std::set<std::string> reference_columns;
-    std::vector<std::string> names;  ///< every column of either side
+    std::set<std::string> changed_reference_columns;
+    std::vector<std::string> column_names;  ///< every column of either side
     RowVerdict verdict;
 
-    [[nodiscard]] bool is_same() const { return count == 0 && only_a.empty() && only_b.empty() && columns.empty(); }
+    [[nodiscard]] bool is_same() const {
+        return difference_count == 0 && only_a.empty() && only_b.empty() && one_sided_columns.empty();
+    }
     /// Adds the changes between two other tables.
     void add(RowChanges other);
     void sort();

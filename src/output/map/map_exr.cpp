@@ -103,7 +103,7 @@ pixel::ExrLayers<MapStrip> series_layers(const MapExrRequest& request, const Tes
     layers.add_uint("class.outcome", [](const MapStrip& strip, std::size_t i) { return strip.result->outcomes[i]; });
     layers.add_uint("class.object", [](const MapStrip& strip, std::size_t i) {
         const auto& answers = *strip.result->answers;
-        return answers.hit[i] != 0 ? answers.object[i] + 1 : 0;
+        return answers.hit[i] != 0 ? answers.primitive[i] + 1 : 0;
     });
 
     for (const Metric* metric : request.layers)

@@ -166,7 +166,7 @@ Table<BandRay> make_pixel_table(const std::vector<const Metric*>& metrics) {
                     }},
                    outcome_column(),
                    {"object", "primitive that the form hit, from 0",
-                    [](const R& r) { return when(r.has_hit(), r.result->answers->object[r.i]); }},
+                    [](const R& r) { return when(r.has_hit(), r.result->answers->primitive[r.i]); }},
                    {"truth_object", "primitive that the ray truly hits first, from 0", [](const R& r) {
                         const measure::truth::Truth& ray_truth = r.result->truth(r.i);
                         return when(ray_truth.is_hit(), ray_truth.primitive);

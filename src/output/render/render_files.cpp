@@ -171,7 +171,7 @@ pixel::ExrLayers<RenderBand> RenderPresentation::layers(const RenderStudy& study
         return band.shadow.empty() ? measure::render::Shadow{} : band.shadow[i];
     });
     layers.add_uint("class.object", [](const RenderBand& band, std::size_t i) {
-        return band.answers.hit[i] != 0 ? band.answers.object[i] + 1 : 0;
+        return band.answers.hit[i] != 0 ? band.answers.primitive[i] + 1 : 0;
     });
     layers.add_uint("class.true_object",
                     [](const RenderBand& band, std::size_t i) { return band.true_primitive[i] + 1; });

@@ -16,6 +16,12 @@ namespace {
 /// Largest number of characters of an expression that is written inside another one.
 constexpr std::size_t max_inlined_characters = 56;
 
+/// Input of the primitive's first number on a tape; the origin and the direction of the ray come before it.
+constexpr NodeId first_primitive_input = 6;
+
+/// Prefixes of the names of operations without a label; a number follows.
+constexpr std::string_view decision_prefix = "m", number_prefix = "s";
+
 }  // namespace
 
 std::vector<std::string> input_names_of(const Intersector& form) {
@@ -66,7 +72,7 @@ std::string TapeCode::identifier(std::string_view label) const {
 
 // Conversions get no names, so the names of other operations do not depend on which operations are wider.
 void TapeCode::assign_names(const TapeCode* reference) {
-    const auto first_of_matrix = static_cast<NodeId>(6 + primitive_number_count_);
+    const auto first_matrix_input = static_cast<NodeId>(first_primitive_input + primitive_number_count_);
     std::set<std::string> used;
     if (reference)
         for (const auto& [key, names] : reference->names_by_key_) used.insert(names.begin(), names.end());
@@ -76,16 +82,17 @@ void TapeCode::assign_names(const TapeCode* reference) {
         if (n.op == TapeOp::input) {
             name = input_names_.at(n.operands[0]);
             if (name == "ray.tmax") name = "tmax";
-            else if (n.operands[0] >= 6 && n.operands[0] < first_of_matrix) name.insert(0, language_.primitive_prefix);
+            else if (n.operands[0] >= first_primitive_input && n.operands[0] < first_matrix_input)
+                name.insert(0, language_.primitive_prefix);
         } else if (n.op != TapeOp::constant && n.op != TapeOp::convert) {
-            name = name_operation(n, reference, used);
+            name = add_operation_name(n, reference, used);
         }
         names_.push_back(std::move(name));
         first_names_.resize(names_.size(), names_.back());
     }
 }
 
-std::string TapeCode::name_operation(const TapeNode& node, const TapeCode* reference, std::set<std::string>& used) {
+std::string TapeCode::add_operation_name(const TapeNode& node, const TapeCode* reference, std::set<std::string>& used) {
     const std::string proper_name = !node.label.empty() ? identifier(node.label) : input_difference_name(node);
     const std::string key = make_key(node);
     std::string name = proper_name;
@@ -96,7 +103,7 @@ std::string TapeCode::name_operation(const TapeNode& node, const TapeCode* refer
             reference_names->second.size() > equal_names.size())
             name = reference_names->second[equal_names.size()];
         while (name.empty()) {
-            name = fmt::format("{}{}", is_decision(node.op) ? "m" : "s", ++unnamed_count_);
+            name = fmt::format("{}{}", is_decision(node.op) ? decision_prefix : number_prefix, ++unnamed_count_);
             if (!used.insert(name).second) name.clear();
         }
         equal_names.push_back(name);

@@ -56,7 +56,8 @@ protected:
 
 private:
     void assign_names(const TapeCode* reference);
-    std::string name_operation(const TapeNode& node, const TapeCode* reference, std::set<std::string>& used);
+    /// Chooses the name of an operation and records it for later operations. `used` holds the names of all before it.
+    std::string add_operation_name(const TapeNode& node, const TapeCode* reference, std::set<std::string>& used);
     /// Key of an operation: its name and the names of its operands.
     [[nodiscard]] std::string make_key(const TapeNode& node) const;
     /// Name of a difference of two inputs: `o_minus_centre_x` for `o.x - centre.x`; empty for other operations.
@@ -74,12 +75,12 @@ private:
     FloatFormat form_format_;
     std::vector<std::string> input_names_;
     std::vector<std::string> names_;  ///< one per node
-    std::size_t
-        primitive_number_count_;  ///< number of inputs that describe the primitive, between the ray and the matrix
+    /// Number of inputs that describe the primitive, between those of the ray and those of the matrix.
+    std::size_t primitive_number_count_;
     /// Names of operations without a label, by their key (`make_key`). Equal operations have the same key.
     std::map<std::string, std::vector<std::string>> names_by_key_;
-    std::vector<std::string>
-        first_names_;  ///< one per node: its name; without a label, that of the first equal operation
+    /// One name per node: its own; for an operation without a label, the name of the first equal operation.
+    std::vector<std::string> first_names_;
     int unnamed_count_ = 0;
     std::vector<bool> is_inlined_;  ///< one per node
 };

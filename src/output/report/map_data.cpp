@@ -122,7 +122,7 @@ public:
                 else layer.set(pixel, static_cast<float>(result.metrics[m][i]));
             }
             if (!result.answers->hit[i]) continue;
-            primitive_.set(pixel, static_cast<std::uint64_t>(result.answers->object[i] + 1));
+            primitive_.set(pixel, static_cast<std::uint64_t>(result.answers->primitive[i] + 1));
             t_.set(pixel, encoded_t(result.answers->t[i], result, i));
         }
     }

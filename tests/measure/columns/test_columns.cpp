@@ -81,13 +81,14 @@ struct Columns {
 
     explicit Columns(const Problems& problems) {
         for (auto& v : values) v.assign(problems.answers.size(), -77.0);
-        largest = measure::columns::find_errors(problems.answers, problems.lengths, problems.format.parameters,
-                                                {.ulp = values[0].data(),
-                                                 .lost = values[1].data(),
-                                                 .correct = values[2].data(),
-                                                 .relative = values[3].data(),
-                                                 .absolute = values[4].data()},
-                                                left);
+        largest =
+            measure::columns::compute_error_columns(problems.answers, problems.lengths, problems.format.parameters,
+                                                    {.ulp = values[0].data(),
+                                                     .lost = values[1].data(),
+                                                     .correct = values[2].data(),
+                                                     .relative = values[3].data(),
+                                                     .absolute = values[4].data()},
+                                                    left);
     }
 };
 

@@ -24,7 +24,7 @@ struct Scene {
     Format format;
     scene::rays::RayBlock rays;
     std::vector<Primitive<double>> primitives;
-    std::vector<std::int32_t> objects;
+    std::vector<std::int32_t> primitive_indices;
     std::vector<double> answers;
 
     Scene(const char* name, Shape shape, Range range, std::size_t n, Random& random)
@@ -44,8 +44,9 @@ struct Scene {
             }
         }
         for (std::size_t i = 0; i < n; ++i) {
-            const auto object = static_cast<std::size_t>(random.between(0, static_cast<long>(primitives.size()) - 1));
-            const Primitive<double>& primitive = primitives[object];
+            const auto primitive_index =
+                static_cast<std::size_t>(random.between(0, static_cast<long>(primitives.size()) - 1));
+            const Primitive<double>& primitive = primitives[primitive_index];
             const auto corner = [&](std::size_t k) {
                 return primitive.numbers[shape == Shape::box && random.one_in(2) ? k + 3 : k];
             };
@@ -62,7 +63,7 @@ struct Scene {
             if (range == Range::extreme && random.one_in(40)) t = HUGE_VAL;
             if (random.one_in(5)) t = missing;
             answers.push_back(t);
-            objects.push_back(std::isnan(t) ? -1 : static_cast<std::int32_t>(object));
+            primitive_indices.push_back(std::isnan(t) ? -1 : static_cast<std::int32_t>(primitive_index));
         }
     }
 };
@@ -72,7 +73,8 @@ double compare(const Scene& s) {
     std::vector<double> values(s.answers.size(), -77.0);
     std::vector<std::uint32_t> left;
     const scene::rays::PrimitiveList<double> primitives(s.primitives);
-    measure::columns::find_residuals(s.answers, {s.rays, primitives, s.objects, s.format.engine}, values.data(), left);
+    measure::columns::compute_residual_columns(s.answers, {s.rays, primitives, s.primitive_indices, s.format.engine},
+                                               values.data(), left);
     const measure::metric::Metric& metric = *measure::metric::find_metric("residual");
     std::size_t measured = 0, wrong = 0;
     auto next = left.begin();
@@ -87,8 +89,10 @@ double compare(const Scene& s) {
         double want = missing;
         const Ray<double> ray = s.rays[i];
         if (wanted)
-            want = metric.value(
-                {.t = s.answers[i], .format = &s.format, .ray = &ray, .primitive = &s.primitives[s.objects[i]]});
+            want = metric.value({.t = s.answers[i],
+                                 .format = &s.format,
+                                 .ray = &ray,
+                                 .primitive = &s.primitives[s.primitive_indices[i]]});
         if (std::bit_cast<std::uint64_t>(values[i]) == std::bit_cast<std::uint64_t>(want)) continue;
         if (++wrong < 5) UNSCOPED_INFO("ray " << i << ": " << std::hexfloat << values[i] << ", not " << want);
     }

@@ -207,7 +207,7 @@ std::size_t compare_sets(const measure::truth::Band& quick, const measure::truth
             const auto got = measure::answer::evaluate(*set, in), want = measure::answer::evaluate(*set, all);
             INFO(set->info->name << " in " << name);
             CHECK(got.hit == want.hit);
-            CHECK(got.object == want.object);
+            CHECK(got.primitive == want.primitive);
             CHECK(std::ranges::equal(got.t, want.t, [](double a, double b) { return a == b || (a != a && b != b); }));
             ++compared;
         }

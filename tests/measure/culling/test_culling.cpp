@@ -74,7 +74,7 @@ Counts compare(const scene::file::Scene& scene, std::initializer_list<const char
                                            want = measure::answer::evaluate(form, all);
             INFO(form.info->name << " in " << name);
             CHECK(got.hit == want.hit);
-            CHECK(got.object == want.object);
+            CHECK(got.primitive == want.primitive);
             std::size_t different = 0;
             for (std::size_t i = 0; i < got.t.size(); ++i)
                 different += !(got.t[i] == want.t[i] || (std::isnan(got.t[i]) && std::isnan(want.t[i])));

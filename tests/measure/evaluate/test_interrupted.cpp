@@ -96,7 +96,7 @@ TEST_CASE("every computation stops where its own request says so") {
     };
     const auto rays = open({});
     std::vector<scene::check::Claim> claims{scene::check::read_claims(data / "claims/sphere.toml").front()};
-    measure::trade::TimedWork pass{.pass = [] {}, .item_count = 1, .warms_up = false};
+    measure::trade::TimedWork pass{.pass = [] {}, .item_count = 1, .needs_warm_up = false};
     namespace m = measure;
     const std::pair<const char*, std::function<void()>> all[] = {
         {"map",

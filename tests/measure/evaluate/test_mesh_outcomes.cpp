@@ -116,15 +116,15 @@ public:
             } else if (outcome == Outcome::false_hit) {
                 wrong += claimed.empty() || truly != met.end();
             } else if (outcome == Outcome::double_hit) {
-                const auto first = static_cast<std::size_t>(result.answers->object[i]);
+                const auto first = static_cast<std::size_t>(result.answers->primitive[i]);
                 wrong += std::ranges::none_of(claimed, [&](std::size_t s) { return twice(s, first); });
             } else if (outcome == Outcome::wrong_neighbour) {
-                const auto first = static_cast<std::size_t>(result.answers->object[i]);
+                const auto first = static_cast<std::size_t>(result.answers->primitive[i]);
                 const auto there = met.find(first);
                 wrong += truly == met.end() || !beside(first, truly->first) ||
                          (there != met.end() && compare(there->second.t, truly->second.t) == 0);
             } else if (outcome == Outcome::out_of_order || outcome == Outcome::wrong_primitive) {
-                const auto first = static_cast<std::size_t>(result.answers->object[i]);
+                const auto first = static_cast<std::size_t>(result.answers->primitive[i]);
                 const auto nearer = [&](std::size_t s) {
                     return met.contains(s) && !beside(s, first) && compare(met.at(s).t, met.at(first).t) < 0;
                 };
@@ -136,7 +136,7 @@ public:
                 wrong += truly == met.end() || std::ranges::all_of(met, is_beside) ||
                          passed != (outcome == Outcome::out_of_order);
             } else if (outcome == Outcome::agree_hit) {
-                const auto there = met.find(static_cast<std::size_t>(result.answers->object[i]));
+                const auto there = met.find(static_cast<std::size_t>(result.answers->primitive[i]));
                 wrong += there == met.end() || compare(there->second.t, truly->second.t) != 0;
                 wrong += std::ranges::any_of(claimed, [&](std::size_t s) { return twice(s, there->first); });
             } else if (outcome == Outcome::agree_miss) {

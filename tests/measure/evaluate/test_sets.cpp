@@ -106,9 +106,9 @@ TEST_CASE("a set returns the nearest answer of its forms in every format and reg
                         const Answers& right = first ? of_a : of_b;
                         const bool same_t = together.t[i] == right.t[i] || (together.t[i] != together.t[i]);
                         const int object =
-                            right.object[i] < 0 ? -1 : right.object[i] + (first ? 0 : int(mixed.spheres.size()));
+                            right.primitive[i] < 0 ? -1 : right.primitive[i] + (first ? 0 : int(mixed.spheres.size()));
                         wrong += together.hit[i] != right.hit[i] ||
-                                 (right.hit[i] != 0 && (!same_t || together.object[i] != object));
+                                 (right.hit[i] != 0 && (!same_t || together.primitive[i] != object));
                         (first ? from_spheres : from_boxes) += right.hit[i];
                     }
                     CHECK(wrong == 0);

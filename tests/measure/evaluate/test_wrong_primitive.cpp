@@ -22,7 +22,7 @@ public:
         for (std::size_t i = 0; i < result.outcomes.size(); ++i) {
             const auto truth = result.truth(i);
             const bool both = truth.is_hit() && result.answers->hit[i] != 0 && !std::isnan(result.answers->t[i]);
-            const bool other = both && truth.primitive != result.answers->object[i];
+            const bool other = both && truth.primitive != result.answers->primitive[i];
             wrong += other;
             mistaken += other != (result.outcomes[i] == Outcome::wrong_primitive);
             mistaken += (result.outcomes[i] == Outcome::agree_hit) != (both && !other);

@@ -44,7 +44,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
             *row.form, band.inputs(row.format, {.unit_rays = row.form->info->direction == intersect::Direction::unit}));
         Columns columns = make_ray_columns(rays);
         add_answers(columns, answers);
-        columns.add("object", {answers.object.begin(), answers.object.end()});
+        columns.add("object", {answers.primitive.begin(), answers.primitive.end()});
         const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<double>(columns));
         const auto ray_file = scene::ray_file::open_ray_file(
             file.path(),
@@ -212,7 +212,7 @@ TEST_CASE("a ray with its own primitive has the truth and the answers of that ra
                     const auto answers = answer::evaluate(*row.form, alone.inputs(row.format, {.unit_rays = true}));
                     REQUIRE(answers.hit[0] == together.hit[i]);
                     REQUIRE((answers.t[0] == together.t[i] || std::isnan(answers.t[0])));
-                    REQUIRE(together.object[i] == (together.hit[i] != 0 ? static_cast<int>(i) : -1));
+                    REQUIRE(together.primitive[i] == (together.hit[i] != 0 ? static_cast<int>(i) : -1));
                 }
             }
         }

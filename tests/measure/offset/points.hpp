@@ -25,7 +25,7 @@ struct ScenePoints {
         const auto answers = measure::answer::evaluate(*of.form, inputs);
         for (std::size_t i = 0; i < answers.t.size(); ++i) {
             if (answers.hit[i] != 0 && answers.t[i] > 0)
-                met.push_back({inputs.rays[i], answers.t[i], static_cast<std::size_t>(answers.object[i])});
+                met.push_back({inputs.rays[i], answers.t[i], static_cast<std::size_t>(answers.primitive[i])});
         }
     }
 };
