@@ -22,7 +22,7 @@ std::vector<Primitive<double>> read_shared_primitives(const lostbits_rays& rays,
                 throw InputError("primitive " + std::to_string(i) + " has a number that is not finite");
         if (broken)
             throw InputError("primitive " + std::to_string(i) + ": " + std::string(broken->key->name) + " " +
-                             limit_phrase(shape, *broken->key));
+                             limit_phrase(shape, *broken));
         primitives.push_back(primitive);
     }
     return primitives;

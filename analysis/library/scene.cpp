@@ -72,7 +72,7 @@ Primitive<Real> make_primitive(Shape shape, const double* numbers, const Scene& 
     for (const Primitive<double>& candidate :
          {primitive, is_shared ? scene::rays::round_primitive(primitive, binary32) : primitive}) {
         if (const auto broken = broken_limit(candidate))
-            throw InputError(subject + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken->key));
+            throw InputError(subject + ": " + std::string(broken->key->name) + " " + limit_phrase(shape, *broken));
     }
     return convert_numbers(primitive, [](double x) { return Real(x); });
 }

@@ -117,7 +117,8 @@ std::string no_end_reason(Shape shape) {
            " take no end and would ignore it; leave it out, or use " + shapes;
 }
 
-std::string limit_phrase(Shape shape, const Key& key) {
+std::string limit_phrase(Shape shape, const BrokenLimit& broken) {
+    const Key& key = *broken.key;
     if (key.limit == Key::Limit::positive) return "is not greater than 0; write a positive number";
     if (key.limit == Key::Limit::not_negative) return "is less than 0; write 0 or a positive number";
     if (key.limit == Key::Limit::non_negative_below_previous)
@@ -133,8 +134,8 @@ std::string limit_phrase(Shape shape, const Key& key) {
     if (key.limit == Key::Limit::differs_from_previous)
         return "equals " + std::string((&key - 1)->name) + "; " + with_article(shape) +
                " has a height, so move one of the two";
-    return "is below " + std::string((&key - 1)->name) + " in a component; " + with_article(shape) + " needs " +
-           order_phrase(key) + " in each";
+    return "is below " + std::string((&key - 1)->name) + " in " + number_paths(shape)[broken.number_index].back() +
+           "; " + with_article(shape) + " needs " + order_phrase(key) + " in x, y and z";
 }
 
 }  // namespace lostbits

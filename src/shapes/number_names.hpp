@@ -40,8 +40,7 @@ std::string order_phrase(const Key& key);
 /// Returns the reason why a ray cannot have an end, for a shape whose forms do not take tmax.
 std::string no_end_reason(Shape shape);
 
-/// Returns how a value breaks the limit of its key, as the rest of a sentence about the key: "is not greater than 0;
-/// …".
-std::string limit_phrase(Shape shape, const Key& key);
+/// Returns how a primitive breaks a limit, as the rest of a sentence about the key: "is not greater than 0; …".
+std::string limit_phrase(Shape shape, const BrokenLimit& broken);
 
 }  // namespace lostbits

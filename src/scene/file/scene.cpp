@@ -64,7 +64,7 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
     });
 
     if (const auto broken = broken_limit(primitive))
-        table.fail_at(broken->key->name, limit_phrase(shape, *broken->key));
+        table.fail_at(broken->key->name, limit_phrase(shape, *broken));
     require_limits_when_rounded(primitive, table, numbers);
 
     primitive.transform = read_transform(table, numbers);

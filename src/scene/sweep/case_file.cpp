@@ -203,7 +203,7 @@ void CaseFile::require_limits(const Case& case_, const TableReader& table) {
         const Primitive<double> primitive = spec.primitive_in(binary64, 0);
         if (const auto broken = broken_limit(primitive))
             toml::fail(table.where(), "has " + with_article(spec.shape) + " whose " + std::string(broken->key->name) +
-                                          " " + limit_phrase(spec.shape, *broken->key));
+                                          " " + limit_phrase(spec.shape, *broken));
     }
 }
 

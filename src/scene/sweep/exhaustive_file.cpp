@@ -131,7 +131,7 @@ void ExhaustiveFile::require_valid_primitives(TableReader& file, const TableRead
     const std::string name(name_of(primitive.shape));
     if (primitive_indices.empty()) {
         if (const auto broken = broken_limit(primitive))
-            file.table(name).fail_at(broken->key->name, limit_phrase(primitive.shape, *broken->key));
+            file.table(name).fail_at(broken->key->name, limit_phrase(primitive.shape, *broken));
         return;
     }
     // If a limit of lengths holds at two numbers, it holds between them. A normal may be 0 between them, and a point
@@ -141,7 +141,7 @@ void ExhaustiveFile::require_valid_primitives(TableReader& file, const TableRead
             if (const auto broken = broken_limit(primitive_at(float_at(end))))
                 axis_table.fail_at(end == range.first ? "from" : "to", "leaves a " + name + " whose " +
                                                                            std::string(broken->key->name) + " " +
-                                                                           limit_phrase(primitive.shape, *broken->key));
+                                                                           limit_phrase(primitive.shape, *broken));
         }
     }
 }
