@@ -1,6 +1,7 @@
 #include "text/did_you_mean.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace lostbits::text {
 namespace {
@@ -119,12 +120,12 @@ std::optional<std::string> closest(std::string_view word, const std::vector<std:
     return single_match(candidates, [&](const std::string& c) { return is_subsequence(c, word); });  // `ouput`: out
 }
 
-/// The candidates in their order, but first those that begin with `word`, then those that contain it.
-std::vector<std::string> most_alike_first(std::string_view word, std::vector<std::string> candidates) {
-    const auto begins = [word](const std::string& c) { return !word.empty() && c.starts_with(word); };
-    const auto contains = [word](const std::string& c) { return !word.empty() && c.find(word) != std::string::npos; };
-    const auto others = std::stable_partition(candidates.begin(), candidates.end(), begins);
-    std::stable_partition(others, candidates.end(), contains);
+/// Returns the candidates that contain `word`: those that begin with it first, then the shortest, which it describes
+/// best.
+std::vector<std::string> names_containing(std::string_view word, std::vector<std::string> candidates) {
+    std::erase_if(candidates, [word](const std::string& c) { return c.find(word) == std::string::npos; });
+    std::ranges::stable_sort(candidates, {},
+                             [word](const std::string& c) { return std::pair(!c.starts_with(word), c.size()); });
     return candidates;
 }
 
@@ -132,11 +133,13 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     if (candidates.empty()) return "";
     if (const auto closest_name = closest(word, candidates))
         return "did you mean " + quoted_excerpt(*closest_name) + "?";
-    const std::vector<std::string> ordered = most_alike_first(word, candidates);
-    std::string text = "known here: ";
-    for (std::size_t i = 0; i < std::min(ordered.size(), max_listed); ++i)
-        text += (i > 0 ? ", " : "") + quoted_excerpt(ordered[i]);
-    if (candidates.size() > max_listed) text += " and " + std::to_string(candidates.size() - max_listed) + " more";
+    const std::vector<std::string> containing =
+        word.size() < 3 ? std::vector<std::string>() : names_containing(word, candidates);
+    const std::vector<std::string>& listed = containing.empty() ? candidates : containing;
+    std::string text = containing.empty() ? "known here: " : "names that contain it: ";
+    for (std::size_t i = 0; i < std::min(listed.size(), max_listed); ++i)
+        text += (i > 0 ? ", " : "") + quoted_excerpt(listed[i]);
+    if (listed.size() > max_listed) text += " and " + std::to_string(listed.size() - max_listed) + " more";
     return text;
 }
 

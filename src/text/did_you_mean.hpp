@@ -26,9 +26,9 @@ std::string excerpt(std::string_view text);
 /// Returns `excerpt` in quotes.
 std::string quoted_excerpt(std::string_view text);
 
-/// Returns the end of an error message: `did you mean "camera"?`, or, if nothing is near, `known here: "camera",
-/// "size"` (at most twelve, then the number of the others; names that begin with `word` come first, then names that
-/// contain it). It is empty only if there are no candidates.
+/// Returns the end of an error message: `did you mean "camera"?`; if nothing is near, `names that contain it:
+/// "box-far", "cone-far"`; if no name contains it, `known here: "camera", "size"`. Lists at most twelve names, then the
+/// number of the others. Empty only if there are no candidates.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace lostbits::text

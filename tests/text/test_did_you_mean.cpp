@@ -49,7 +49,7 @@ TEST_CASE("an error ends with advice") {
     CHECK(did_you_mean("camra", {"size", "camera"}) == R"(did you mean "camera"?)");
     CHECK(did_you_mean("zzz", {"size", "camera"}) == R"(known here: "size", "camera")");
     CHECK(did_you_mean("rtg", {"box", "my-rtg", "rtg-4", "rtg-2"}) ==
-          R"(known here: "rtg-4", "rtg-2", "my-rtg", "box")");
+          R"(names that contain it: "rtg-4", "rtg-2", "my-rtg")");
     CHECK(did_you_mean("zzz", {}).empty());
     const std::vector<std::string> many{"a0", "a1", "a2", "a3", "a4", "a5", "a6",
                                         "a7", "a8", "a9", "b0", "b1", "b2", "b3"};
