@@ -34,7 +34,7 @@ struct RangeOptions {
     bool is_given = false;            ///< --ranges
     std::vector<std::string> ranges;  ///< NAME=LOW..HIGH
     std::string step;                 ///< a step of a sweep: a value of each axis
-    int boxes = 4096;
+    int max_piece_count = 4096;
 };
 
 struct ExplainOptions {
@@ -136,7 +136,8 @@ ExitStatus explain_ranges(const selection::RayOptions& ray, const RangeOptions& 
     require_several_rays(ray);
 
     // Each input may have one range from the command line.
-    RangesRequest request{.format = tested_form.format, .boxes = static_cast<std::size_t>(range_options.boxes)};
+    RangesRequest request{.format = tested_form.format,
+                          .max_box_count = static_cast<std::size_t>(range_options.max_piece_count)};
     for (const std::string& text : range_options.ranges) {
         const GivenRange& given = request.given_ranges.emplace_back(parse_range(text));
         if (std::ranges::count(request.given_ranges, given.name, &GivenRange::name) > 1)
@@ -295,7 +296,7 @@ void add_range_options(const shell::Command& command, RangeOptions& range_option
              "Override the range of one input of --ranges, such as d.x=-0.5..0.5; may be repeated")
         .needs(ranges);
     command
-        .add("--boxes", range_options.boxes,
+        .add("--pieces", range_options.max_piece_count,
              "The largest number of pieces into which --ranges divides the ranges (default: 4096)",
              shell::whole_number_between(1, 1 << 20))
         .needs(ranges);

@@ -23,6 +23,7 @@ constexpr RenamedOption renamed[] = {
     {"diff", "--tolerance", "--allow"},
     {"diff", "--pictures", "--compare-pictures"},
     {"explain", "--at", "--at-step"},
+    {"explain", "--boxes", "--pieces"},
     {"explain", "--range", "--input-range"},
     {"judge", "--format", "--answer-format"},
     {"judge", "--file-format", "--answer-format"},

@@ -139,16 +139,16 @@ TEST_CASE("explain --worst takes the ray of the tables: a wrong decision, or els
 
 TEST_CASE("explain --ranges takes the ranges of one step of a sweep") {
     const Scratch folder;
-    const std::string with = " --set rays=64 --boxes 16 -i sphere.unified -f f32";
+    const std::string with = " --set rays=64 --pieces 16 -i sphere.unified -f f32";
     const auto r = must("explain sphere-distance --ranges --at-step 4 --set views=1" + with, folder.path());
     CHECK(has(r.out, "over the ranges of the rays of sphere-distance at 4"));
     CHECK(has(r.out, "the ranges of the 64 rays of the step"));
     const auto far = run("explain sphere-distance --ranges --at-step 4096 --set views=1 --json" + with, folder.path());
     CHECK(has(far.out, "\"sweep\": \"sphere-distance at 4096\""));
     // A scene has the same name; it has no steps.
-    const std::string thin = "explain triangle-thin --ranges -i triangle.woop --size 4x4 --boxes 1";
-    CHECK(has(run(thin + " --at-step 0.5", folder.path()).out, "of triangle-thin at 0.5, in 1 box:"));
-    CHECK(has(run(thin, folder.path()).out, "of triangle-thin, in 1 box:"));
+    const std::string thin = "explain triangle-thin --ranges -i triangle.woop --size 4x4 --pieces 1";
+    CHECK(has(run(thin + " --at-step 0.5", folder.path()).out, "of triangle-thin at 0.5, in 1 piece:"));
+    CHECK(has(run(thin, folder.path()).out, "of triangle-thin, in 1 piece:"));
 }
 
 TEST_CASE("explain --worst of a sweep reports the ray, its step and the number of rays") {

@@ -52,8 +52,8 @@ ObservedErrors observe_ray(const BoundQuery& query, const std::vector<double>& i
 }
 
 constexpr std::size_t max_primitives = 64;
-/// Numbers of rays that check the bounds: `drawn_rays_per_box` rays in each of `drawn_boxes` boxes.
-constexpr std::size_t drawn_boxes = 64;
+/// Numbers of rays that check the bounds: `drawn_rays_per_box` rays in each of `drawn_box_count` boxes.
+constexpr std::size_t drawn_box_count = 64;
 constexpr int drawn_rays_per_box = 64;
 
 /// The rays and primitives of a request, as the form receives them.
@@ -156,7 +156,7 @@ void summarise(RangesBound& result, const std::vector<std::pair<const SubBox*, d
         result.largest_ulps = std::fmax(result.largest_ulps, in_ulps);
     }
 
-    result.boxes = leaves.size();
+    result.box_count = leaves.size();
     for (const double fraction_of_ranges : {0.5, 0.9, 0.99})
         result.quantiles.push_back(
             {fraction_of_ranges, quantile(errors, fraction_of_ranges), quantile(ulps, fraction_of_ranges)});
@@ -238,8 +238,8 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         apply_given_ranges(result.ranges.back(), request, result.names);
 
         // Divides the ranges of the rays into boxes, each with a bound.
-        divided.emplace_back(bound, result.ranges.back(), std::max<std::size_t>(request.boxes / primitive_count, 1),
-                             request.limit.stop);
+        divided.emplace_back(bound, result.ranges.back(),
+                             std::max<std::size_t>(request.max_box_count / primitive_count, 1), request.limit.stop);
         for (const SubBox* const part : divided.back().leaves())
             leaves.emplace_back(part, part->volume_fraction / static_cast<double>(primitive_count));
 
@@ -247,7 +247,8 @@ RangesBound bound_over_ranges(const RangesRequest& request) {
         std::erase_if(rays, [&](const std::vector<double>& ray) { return !contains(result.ranges.back(), ray); });
         const BoundQuery query{*request.form, request.format, divided.back(), primitive, request.limit.stop};
         result.errors_of_given_rays.append(observe_errors(query, rays));
-        result.errors_of_drawn_rays.append(observe_errors(query, draw_inputs(query, drawn_boxes, drawn_rays_per_box)));
+        result.errors_of_drawn_rays.append(
+            observe_errors(query, draw_inputs(query, drawn_box_count, drawn_rays_per_box)));
     }
 
     summarise(result, leaves, bound, request.format.parameters);

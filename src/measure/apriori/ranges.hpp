@@ -63,7 +63,7 @@ struct RangesRequest {
     const intersect::table::Intersector* form = nullptr;
     Format format = {};
     std::vector<GivenRange> given_ranges = {};
-    std::size_t boxes = 4096;  ///< total number of boxes for all primitives
+    std::size_t max_box_count = 4096;  ///< for all primitives together
     truth::ProofLimit limit = {};
 
     [[nodiscard]] bool is_step() const { return std::holds_alternative<StepRays>(rays); }
@@ -85,7 +85,7 @@ struct RangesBound {
     double missed_fraction = 0;           ///< fraction of the ranges that no ray hits in
     double unknown_fraction = 0;          ///< fraction of the ranges in which the bound is unknown
     double undecided_fraction = 0;        ///< fraction of the ranges with a bound in which the decision is not proved
-    std::size_t boxes = 0;
+    std::size_t box_count = 0;
     double largest = 0, largest_ulps = 0;  ///< largest bound over the boxes with a bound, in units of t and in ulps
     /// Quantiles for 50, 90 and 99 % of the ranges in which hits are possible; infinite if the bound is unknown.
     std::vector<Quantile> quantiles;

@@ -50,18 +50,19 @@ std::string observed_errors_text(const ObservedErrors& seen, const std::string& 
     std::string text =
         fmt::format("Of {}, {} hit, and {} of these lie in ranges with a bound: the worst is off by {:.3g}", ray_set,
                     seen.hit_count, seen.bounded_hit_count, seen.largest_error);
-    text += fmt::format(", and none by more than {:.3g} of the bound of its box.", seen.largest_ratio);
+    text += fmt::format(", and none by more than {:.3g} of the bound of its piece.", seen.largest_ratio);
     if (seen.running_hit_count > 0)
         text += fmt::format(
-            " RunningError bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the "
-            "box.",
+            " Running bounds of single rays are up to {:.3g}; for {} rays they are wider than the bound of the "
+            "piece.",
             seen.largest_running_bound, seen.larger_running_bound_count);
     return text + "\n";
 }
 
 std::string operations_block(const RangesBound& bound) {
     const TapeText tape_text(bound.tape, bound.names, TapeText::TextStyle::pretty);
-    std::string text = fmt::format("In the box with the largest bound, each rounding puts t off by at most, in ulp:\n");
+    std::string text =
+        fmt::format("In the piece with the largest bound, each rounding puts t off by at most, in ulp:\n");
     const auto nodes = nodes_by_contribution(bound);
     for (std::size_t k = 0; k < std::min(nodes.size(), operations_shown); ++k)
         text += fmt::format("  {:>9.3g}  {}\n", bound.node_contributions[nodes[k]], tape_text.definition(nodes[k]));
@@ -83,9 +84,9 @@ Json observed_errors_json(const ObservedErrors& seen) {
 }  // namespace
 
 std::string ranges_text(const RangesRequest& request, const RangesBound& bound) {
-    std::string text =
-        fmt::format("{} in {} over the ranges of the rays of {}, in {} box{}:\n{}", request.form->info->name,
-                    request.format.name, request.id(), bound.boxes, bound.boxes == 1 ? "" : "es", ranges_block(bound));
+    std::string text = fmt::format("{} in {} over the ranges of the rays of {}, in {} piece{}:\n{}",
+                                   request.form->info->name, request.format.name, request.id(), bound.box_count,
+                                   bound.box_count == 1 ? "" : "s", ranges_block(bound));
     if (request.is_step())
         text += fmt::format(
             "These are the ranges of the {} rays of the step. If these are random, other rays may lie beyond.\n",
@@ -136,7 +137,7 @@ std::string ranges_json(const RangesRequest& request, const RangesBound& bound) 
         {"format", request.format.name},
         {request.is_step() ? "sweep" : "scene", request.id()},
         {"ranges", ranges},
-        {"boxes", bound.boxes},
+        {"boxes", bound.box_count},
         {"missed", bound.missed_fraction},
         {"unsettled", bound.unknown_fraction},
         {"undecided", bound.undecided_fraction + bound.unknown_fraction},

@@ -135,7 +135,7 @@ namespace {
 scene::file::Scene scene_named(const std::string& id) { return test::scene_named(id, std::pair{24, 24}); }
 
 RangesBound bound_of(const char* form, const scene::file::Scene& scene, std::size_t count = 1024) {
-    return bound_over_ranges({.rays = scene, .form = &form_named(form), .format = *find_format("f32"), .boxes = count});
+    return bound_over_ranges({.rays = scene, .form = &form_named(form), .format = *find_format("f32"), .max_box_count = count});
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
         const scene::sweep::SweepFile sweep(data / "sweeps/sphere-distance.toml", data, changes);
         const measure::apriori::StepRays step{"step", sweep.rays({4})};
         const RangesBound r = bound_over_ranges(
-            {.rays = step, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 1024});
+            {.rays = step, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .max_box_count = 1024});
         INFO(views);
         REQUIRE(r.ranges.size() == 1);
         CHECK(r.ray_count == 64 * step.groups.size());
@@ -204,7 +204,7 @@ TEST_CASE("splitting ranges into more boxes bounds more rays, and the number of 
     CHECK(many.missed_fraction >= few.missed_fraction);
     CHECK(many.quantiles[0].error <= few.quantiles[0].error);
     const RangesRequest request{
-        .rays = scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .boxes = 128};
+        .rays = scene, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .max_box_count = 128};
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     CHECK(output::attribution::ranges_json(request, bound_over_ranges(request)) ==
           output::attribution::ranges_json(request, few));
