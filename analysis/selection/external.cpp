@@ -13,6 +13,7 @@
 
 #include "analysis/selection/options.hpp"
 #include "analysis/selection/select.hpp"
+#include "intersect/bounding_box/behind.hpp"
 #include "intersect/device/device.hpp"
 #include "intersect/external/formulas.hpp"
 #include "intersect/external/guard.hpp"
@@ -22,6 +23,7 @@
 #include "intersect/process/child.hpp"
 #include "intersect/process/process_state.hpp"
 #include "intersect/table/table.hpp"
+#include "intersect/transform/transformed_form.hpp"
 #include "measure/tape/driver_difference.hpp"
 #include "number/error.hpp"
 #include "output/attribution/explain_command.hpp"
@@ -343,6 +345,20 @@ std::vector<std::string> form_patterns(const std::vector<std::string>& given, st
     return defaults;
 }
 
+namespace {
+
+/// True if `whole` is `form`, or is composed of it: a set, or `form` with a transform method or behind a box.
+bool contains_form(const intersect::table::Intersector& whole, const intersect::table::Intersector& form) {
+    if (&whole == &form) return true;
+    if (std::ranges::any_of(whole.parts, [&form](const auto* part) { return contains_form(*part, form); })) return true;
+    const auto* const transformed_form = intersect::transform::find_transformed_parts(whole).form;
+    const auto* const boxed_form = intersect::bounding_box::find_boxed_parts(whole).form;
+    return (transformed_form && contains_form(*transformed_form, form)) ||
+           (boxed_form && contains_form(*boxed_form, form));
+}
+
+}  // namespace
+
 void note_unmeasured(const std::vector<std::string>& patterns,
                      const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet) {
     if (quiet) return;
@@ -356,10 +372,7 @@ void note_unmeasured(const std::vector<std::string>& patterns,
     std::map<std::string, std::vector<std::string_view>> left_out;  // by the shapes and formats that they take
     for (const auto& form : intersect::table::intersectors()) {
         if (!is_wanted(std::string(form.info->name))) continue;
-        const auto measures_form = [&form](const auto& tested_form) {
-            return tested_form.form == &form ||
-                   std::ranges::find(tested_form.form->parts, &form) != tested_form.form->parts.end();
-        };
+        const auto measures_form = [&form](const auto& tested_form) { return contains_form(*tested_form.form, form); };
         if (std::ranges::any_of(tested_forms, measures_form)) continue;
         const std::string formats = formats_text(form);
         left_out[std::string(primitives_text(form.shape)) + (formats == "all" ? "" : " in " + formats)].push_back(
