@@ -401,8 +401,7 @@ void add_map(const shell::Command& program, const CommonOptions& common) {
     // Additional measurements and files.
     command.add(
         "--bits", options->bits_needed,
-        "Correct bits of t that a hit must keep: also draw the smallest precision, in significand bits, at which each "
-        "pixel keeps them",
+        "Correct bits of t that a hit must keep: also draw how many bits of precision each pixel needs for that",
         shell::whole_number_between(1, 52));
     command.add("--exr", options->exr,
                 "Also write SCENE.exr, with the answers, outcomes and metrics of every pixel (docs/files.md)");

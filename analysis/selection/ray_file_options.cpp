@@ -46,8 +46,7 @@ const std::vector<RayFileOption>& ray_file_options() {
         // The rays.
         {"--scene", &Options::scene, "Test the rays with the primitives of this scene"},
         {"--miss", &Options::miss,
-         "The t that means a miss: a number, every negative t, or none; for a file without a column hit "
-         "(docs/judge.md)"},
+         "The t that means a miss: a number, every negative t, or none; for a file without a column hit"},
 
         // The contract of the answers.
         {"--direction",
@@ -60,15 +59,13 @@ const std::vector<RayFileOption>& ray_file_options() {
          "The right answer for a ray that only touches the primitive (default: hit)",
          {"hit", "miss"},
          true},
-        {"--at-origin", &Options::at_origin,
-         "The right answer for a ray that starts on the surface (default: hit; docs/judge.md)",
+        {"--at-origin", &Options::at_origin, "The right answer for a ray that starts on the surface (default: hit)",
          to_strings(intersect::at_origin_names), true},
         {"--inside", &Options::inside,
          "The right answer for a ray that starts inside (default: usual, which is zero for a box and exit for "
-         "every other shape with an inside; docs/judge.md)",
+         "every other shape with an inside)",
          to_strings(intersect::inside_names), true},
-        {"--facing", &Options::facing,
-         "The side from which triangles, discs and planes are hit (default: both; docs/judge.md)",
+        {"--facing", &Options::facing, "The side from which triangles, discs and planes are hit (default: both)",
          to_strings(intersect::facing_names), true},
 
         // The ends of the range of each ray.
@@ -80,7 +77,7 @@ const std::vector<RayFileOption>& ray_file_options() {
 }
 
 void add_ray_options(const shell::Command& command, RayFileOptions& options) {
-    const char* const heading = "Files of rays";
+    const char* const heading = "Files of rays (docs/judge.md)";
     command
         .add("--container", options.container, "Kind of the file (default: by its ending)",
              shell::one_of({"auto", "csv", "npy", "raw"}))

@@ -126,7 +126,7 @@ Primitive<double> parse_primitive(Shape shape, const std::string& text, const st
     if (at_sign < text.size()) primitive.transform = parse_transform(text.substr(at_sign + 1), option.c_str(), format);
     if (const auto broken = broken_limit(primitive))
         throw InputError(
-            fmt::format("{} {}: {} {}", option, numbers_text, broken->key->name, limit_phrase(shape, *broken->key)));
+            fmt::format("{} {}: {} {}", option, numbers_text, broken->key->name, limit_phrase(shape, *broken)));
     return primitive;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <regex>
 
 #include "analysis/shell/option_table.hpp"
@@ -80,6 +81,19 @@ std::string value_missing_text(const std::string& name, std::string help) {
     return fmt::format("{}: needs a value: {}", name, help);
 }
 
+/// The arguments of a command as they were given: `no argument`, `one SCENE, here near`, `only A and B, here x and y`.
+std::string arguments_text(const Command& command) {
+    std::vector<std::string> names, given;
+    for (const Option& option : command.options()) {
+        if (!option.is_argument()) continue;
+        names.push_back(option.name());
+        std::ranges::copy(option.given_values(), std::back_inserter(given));
+    }
+    if (names.empty()) return "no argument";
+    return fmt::format("{} {}, here {}", names.size() == 1 ? "one" : "only", fmt::join(names, " and "),
+                       fmt::join(given, " and "));
+}
+
 /// A message about the first word that no option or argument takes.
 std::string leftover_text(const CommandLine& program, const std::string& fallback) {
     const Command command = program.given_commands().back();
@@ -103,9 +117,8 @@ std::string leftover_text(const CommandLine& program, const std::string& fallbac
         return fmt::format("\"{}\" is not a command of `{}`; {}", word, program.command_path(),
                            text::did_you_mean(word, subcommands));
     return fmt::format(
-        "{}: `{}` does not take this argument; an option takes one value at a time: repeat the option, or write "
-        "commas (-i A,B)",
-        word, program.command_path());
+        "{}: `{}` takes {}; an option takes one value at a time: repeat the option, or write commas (-i A,B)", word,
+        program.command_path(), arguments_text(command));
 }
 
 }  // namespace

@@ -273,14 +273,15 @@ std::string rounding_part_sentence(const Explanation& explanation, const Operati
     if (explanation.result.outcome != Outcome::agree_hit ||
         explanation.attribution.subject != explanation.tape.outputs.t)
         return "";
-    if (culprit_operation(explanation) == no_node) return "";  // said in the verdict
+    if (culprit_operation(explanation) == no_node && explanation.result.lost_bits >= min_notable_bits)
+        return "";  // said in the verdict
     const double rounding = explanation.attribution.error / view.ulp();
     if (!std::isfinite(rounding) || !std::isfinite(explanation.result.ulps)) return "";
     if (!(std::fabs(explanation.result.ulps - rounding) > 0.01)) return "";
     return fmt::format(
-        "Rounding inside the form causes {} of the {} ulp. The rest remains even without rounding, on the inputs as "
-        "the format stores them.\n",
-        short_number(rounding), short_number(explanation.result.ulps));
+        "The error of t has two parts: {} ulp from rounding inside the form, and {} ulp that remain even without "
+        "rounding, on the inputs as the format stores them.\n",
+        short_number(rounding), short_number(explanation.result.ulps - rounding));
 }
 
 std::string changed_decisions_text(const Explanation& explanation, const OperationView& view) {
