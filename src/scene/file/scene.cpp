@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "scene/file/march_table.hpp"
 #include "scene/file/tables.hpp"
@@ -63,8 +64,7 @@ Primitive<Real> read_primitive(Shape shape, TableReader& table, const StoredNumb
         }
     });
 
-    if (const auto broken = broken_limit(primitive))
-        table.fail_at(broken->key->name, limit_phrase(shape, *broken));
+    if (const auto broken = broken_limit(primitive)) table.fail_at(broken->key->name, limit_phrase(shape, *broken));
     require_limits_when_rounded(primitive, table, numbers);
 
     primitive.transform = read_transform(table, numbers);
@@ -118,12 +118,12 @@ std::vector<PrimitiveTable> primitives_in_order(TableReader& file, const Node& o
     return tables;
 }
 
-/// "[[sphere]] with centre and radius, [[box]] with lo and hi, ..."
+/// "[[sphere]] with centre and radius; the others are [[box]], ..."
 std::string primitive_tables_text() {
-    std::string text;
-    for (const ShapeRow& shape_row : shape_rows)
-        text += "[[" + std::string(shape_row.name) + "]] with " + key_phrase(shape_row.shape) + ", ";
-    return text + "[sphereflake] with levels, or [[mesh]] with file or make";
+    const ShapeRow& first = shape_rows.front();
+    std::string text = "[[" + std::string(first.name) + "]] with " + key_phrase(first.shape) + "; the others are ";
+    for (const ShapeRow& shape_row : shape_rows.subspan(1)) text += "[[" + std::string(shape_row.name) + "]], ";
+    return text + "[sphereflake] and [[mesh]] (data/README.md)";
 }
 
 bool is_plain_name(std::string_view name) {
@@ -262,7 +262,7 @@ Scene SceneFile::interpret(const SceneVariant* variant, const LoadOptions& optio
     file.require_known_keys();
 
     if (scene.shapes().empty())
-        toml::fail(file.where(), "the scene has no primitives; write at least one " + primitive_tables_text());
+        toml::fail(file.where(), "the scene has no primitives; write at least one, such as " + primitive_tables_text());
     if (scene.camera.ray_generator && scene.inputs == InputRounding::shared && (scene.flake || scene.mesh))
         camera.fail_at("rays",
                        "makes rays in each format, which must also round meshes and flakes; write inputs = "

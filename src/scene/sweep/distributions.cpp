@@ -41,11 +41,10 @@ std::string distribution_tables_text() {
     std::string text;
     for (const DistributionRow& distribution_row : distributions()) {
         const bool is_last = &distribution_row == &distributions().back();
-        if (!text.empty()) text += is_last ? " or " : ", ";
-        const std::string shape = with_article(distribution_row.shape);
-        text += shape.substr(0, shape.find(' ')) + " [" + std::string(distribution_row.table) + "]";
+        if (!text.empty()) text += is_last ? " and " : ", ";
+        text += "[" + std::string(distribution_row.table) + "]";
     }
-    return text + " table";
+    return text;
 }
 
 }  // namespace lostbits::scene::sweep

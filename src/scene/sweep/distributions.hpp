@@ -33,7 +33,7 @@ struct DistributionRow {
 /// One row for each shape, in the order of the list.
 std::span<const DistributionRow> distributions();
 
-/// Returns `a [sphere_rays] or a [box_rays] table`.
+/// Returns the names of all tables of ray distributions: `[sphere_rays], [box_rays] and [cone_rays]`.
 std::string distribution_tables_text();
 
 }  // namespace lostbits::scene::sweep

@@ -238,9 +238,9 @@ void SweepFile::read_subject(TableReader& file, const std::filesystem::path& dat
     const auto distribution_count = std::ranges::count_if(
         distributions(), [&](const DistributionRow& distribution_row) { return file.has(distribution_row.table); });
     if (distribution_count + int{scene.has_value()} != 1)
-        toml::fail(file.where(),
-                   "a sweep is over either scene = \"…\", " + distribution_tables_text() +
-                       "; write one of them, or [[ray]] tables and their primitive to try every float of a number");
+        toml::fail(file.where(), "a sweep has one source of rays: write either scene = \"…\", or one of the tables " +
+                                     distribution_tables_text() +
+                                     "; to try every float of a number, write [[ray]] tables and their primitive");
 
     const DistributionRow* const distribution = find_distribution(root_);
     if (scene) {

@@ -123,9 +123,7 @@ TEST_CASE("a triangle must have an area") {
           "scene.toml:15:7: cylinder[0].top equals base; a cylinder has a height, so move one of the two");
     CHECK(cylinder("\"1.00000000001\"") ==
           "scene.toml:15:7: cylinder[0].top equals base in binary32, to which inputs = \"shared\" rounds; move one of "
-          "the "
-          "two, "
-          "or write inputs = \"own\"");
+          "the two, or write inputs = \"own\"");
     CHECK(broken(sphere, "[[ellipsoid]]\ncentre = [0, 0, 0]\nradii = [1, 1, \"1e-60\"]\n")
               .starts_with("scene.toml:15:9: ellipsoid[0].radii becomes 0 in binary32"));
     CHECK(broken(sphere, "[[ellipsoid]]\ncentre = [0, 0, 0]\nradii = [1, -1, 1]\n")
@@ -138,13 +136,9 @@ TEST_CASE("a scene needs a camera and a primitive, and unknown keys are refused"
           "scene.toml:7:2: camera is missing, but there is camra; did you mean \"camera\"?");
     CHECK(broken("[[sphere]]", "[[spheres]]") == "scene.toml:13:3: unknown key spheres; did you mean \"sphere\"?");
     CHECK(broken("[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n", "") ==
-          "scene.toml:1:1: the scene has no primitives; write at least one [[sphere]] with centre and radius, [[box]] "
-          "with "
-          "lo and hi, [[triangle]] with a, b and c, [[ellipsoid]] with centre and radii, [[cylinder]] with base, top "
-          "and radius, [[capsule]] with start, end and radius, [[tube]] with bottom, top and radius, [[cone]] with "
-          "base, top, base_radius and top_radius, [[disc]] with centre, normal, outer_radius and inner_radius, "
-          "[[plane]] with through and normal, [[torus]] with centre, axis, major_radius and minor_radius, "
-          "[sphereflake] with levels, or [[mesh]] with file or make");
+          "scene.toml:1:1: the scene has no primitives; write at least one, such as [[sphere]] with centre and radius; "
+          "the others are [[box]], [[triangle]], [[ellipsoid]], [[cylinder]], [[capsule]], [[tube]], [[cone]], "
+          "[[disc]], [[plane]], [[torus]], [sphereflake] and [[mesh]] (data/README.md)");
     CHECK(broken("[[sphere]]", "[sphere]") ==
           "scene.toml:13:1: sphere is a table, but an array of tables, [[sphere]], is expected here");
     CHECK(broken("radius = 1", "radius = 1\nopacity = 3") ==
