@@ -132,9 +132,10 @@ const Metric* MetricSet::make_metric_with_number(const Metric& kind, std::string
         throw InputError("--metric " + std::string(name) +
                          ": write a finite number of at least 0 after the colon, such as " + std::string(kind.name) +
                          (kind.value == beyond ? "0.001" : "16"));
-    if (std::ranges::find(owned_, column, [](const OwnedMetric& owned) { return owned.metric.name; }) != owned_.end())
-        throw InputError("--metric " + std::string(name) +
-                         ": this metric takes one number per run; measure the other number in another run");
+    const auto other = std::ranges::find(owned_, column, [](const OwnedMetric& owned) { return owned.metric.name; });
+    if (other != owned_.end())
+        throw InputError("metrics " + other->name + " and " + std::string(name) +
+                         ": differ in their number only, and a run measures one of them; leave one out");
 
     OwnedMetric& owned = owned_.emplace_back();
     owned.name = name;
