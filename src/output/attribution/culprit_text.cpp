@@ -264,7 +264,7 @@ std::string counterfactual_sentence(const Explanation& explanation) {
         return fmt::format("{:.4g} ulp", std::fabs(counterfactual.error / view.ulp()));
     };
 
-    // A reader of the first half would conclude that the repair of this operation is enough.
+    // The sentence on the culprit alone would suggest that repairing this operation is enough.
     const bool hardly_helps = !is_step && only_exact.hit && std::isfinite(only_exact.error) &&
                               std::fabs(only_exact.error) > std::fabs(explanation.attribution.error) / 2;
     const auto effect_of = [&](const measure::attribution::Counterfactual& counterfactual, const char* still) {
@@ -272,12 +272,9 @@ std::string counterfactual_sentence(const Explanation& explanation) {
         return std::isfinite(counterfactual.error) ? fmt::format("t would {}be {} off", still, ulps_off(counterfactual))
                                                    : "t would not be finite";
     };
-    const std::string advice =
-        hardly_helps ? fmt::format(" So repairing {} alone does not help much: the other roundings alone cost {}.",
-                                   culprit_name, ulps_off(only_exact))
-                     : "";
-    return fmt::format("{} {}. {} {}.{}", if_only_exact, effect_of(only_exact, hardly_helps ? "still " : ""),
-                       if_only_rounded, effect_of(only_rounded, ""), advice);
+    return fmt::format("{} {}{}. {} {}.", if_only_exact, effect_of(only_exact, hardly_helps ? "still " : ""),
+                       hardly_helps ? ", so repairing it alone does not help much" : "", if_only_rounded,
+                       effect_of(only_rounded, ""));
 }
 
 }  // namespace lostbits::output::attribution

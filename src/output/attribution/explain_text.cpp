@@ -235,8 +235,7 @@ std::string model_text(const Explanation& explanation, const OperationView& view
         return "";
     return fmt::format(
                "On the inputs as the format stores them, the form {} even without rounding. It differs from the truth "
-               "because "
-               "of what it assumes{}.\n",
+               "because of what it assumes{}.\n",
                explanation.attribution.is_exact_hit ? "hits" : "misses",
                explanation.has_rounded_inputs ? ", or because the inputs were rounded" : "") +
            deciding_comparisons_text(explanation, view);

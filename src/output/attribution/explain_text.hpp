@@ -30,10 +30,10 @@ struct ExplainedVerdict {
     std::string answer;  ///< how far off the answer is, or which decision is wrong; more lines for another primitive
                          ///< and for the mesh
     std::string loss;    ///< the cause of the loss: the problem, the formula, or neither if a march ended
-    std::string blame;   ///< the operation to blame, or why no operation is to blame
+    std::string blame;   ///< the operation to blame, with a second line on its rounding alone; or why none is
     NodeId culprit = no_node;  ///< the operation to blame; none if `blame` says so
 
-    /// The three texts, one per line.
+    /// The three texts, each on lines of its own.
     [[nodiscard]] std::string text() const;
 };
 ExplainedVerdict make_verdict(const Explanation& explanation, const std::optional<MarchEnd>& march);

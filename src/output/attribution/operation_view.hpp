@@ -57,8 +57,8 @@ private:
     TapeText text_;
     double ulp_;
     std::vector<bool> on_path_;
-    std::map<std::string, std::vector<NodeId>, std::less<>>
-        nodes_by_name_;  ///< operations by name; a vector's name maps to its three components
+    /// Operations by name; a vector's name maps to its three components.
+    std::map<std::string, std::vector<NodeId>, std::less<>> nodes_by_name_;
 };
 
 /// A row of the table of operations.

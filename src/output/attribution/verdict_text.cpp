@@ -95,8 +95,8 @@ std::string wrong_primitive_sentence(const Explanation& explanation) {
     };
     return fmt::format(
         "The wrong primitive: the form hits primitive {}, but the ray first meets primitive {} (counted from 0). For "
-        "that primitive "
-        "alone it reports {}. The text below is about primitive {}; the command for the other one is: {}\n",
+        "that primitive alone it reports {}. The text below is about primitive {}; the command for the other one is: "
+        "{}\n",
         label_of(explanation.primitive_index, explanation.shape), label_of(missed.index, missed_shape), reported,
         explanation.primitive_index,
         explain_command(explain_ray_arguments(&missed.ray_and_primitive),
@@ -233,7 +233,7 @@ std::string no_blame_sentence(const Explanation& explanation, bool is_march) {
     return other_cause_sentence(explanation, is_march);
 }
 
-/// The culprit, or the reason why no operation is to blame.
+/// The culprit, and on a second line what its rounding alone causes; or the reason why no operation is to blame.
 std::string culprit_paragraph(const Explanation& explanation, bool is_march) {
     if (!explanation.has_tape())
         return "Its operations are not known, because a compiled function is a black box; write it as a form over any "
@@ -241,7 +241,7 @@ std::string culprit_paragraph(const Explanation& explanation, bool is_march) {
     if (explanation.missed_primitive && explanation.rounding_changed_order()) return turned_order_sentence(explanation);
     if (culprit_operation(explanation) == no_node) return no_blame_sentence(explanation, is_march);
     const std::string counterfactual = counterfactual_sentence(explanation);
-    return culprit_sentence(explanation) + (counterfactual.empty() ? "" : " " + counterfactual);
+    return culprit_sentence(explanation) + (counterfactual.empty() ? "" : "\n" + counterfactual);
 }
 
 /// `a correct miss`, `4.6 bits lost`.
@@ -404,8 +404,7 @@ std::string mesh_sentence(const Explanation& explanation) {
                    "neighbour of it, and the number of crossings is wrong by an odd number.\n";
         case Outcome::double_hit:
             return "In the mesh this is a double hit: the form also claims a neighbouring triangle, although the ray "
-                   "crosses "
-                   "the mesh once.\n";
+                   "crosses the mesh once.\n";
         case Outcome::wrong_neighbour:
             return "In the mesh this is a wrong neighbour, which is not a wrong decision: the triangles share a "
                    "vertex.\n";
