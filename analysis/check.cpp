@@ -221,8 +221,7 @@ void require_shard_options(const CheckOptions& options) {
             "--shard " + options.shard +
             ": cannot be combined with --junit, --export-csv, --export-json, --annotations, --measure or --profile "
             "timing: a shard does not judge claims; pass --junit, --export-csv and --export-json to `lostbits "
-            "merge` "
-            "instead");
+            "merge` instead");
 }
 
 /// Throws InputError for options that do not go with --profile timing or --measure, for shards and for files.

@@ -253,8 +253,7 @@ void drop_emulated_rows(ChoiceRequest& request, const std::string& id, bool quie
     if (emulated > 0 && !quiet)
         fmt::print(stderr,
                    "lostbits: {}: for files of rays, only f32 and f64 are compared; emulated formats were left out, "
-                   "since they "
-                   "apply only to the requirement map of a scene\n",
+                   "since they apply only to the requirement map of a scene\n",
                    id);
 }
 

@@ -51,8 +51,7 @@ void add_common(const shell::Command& program, CommonOptions& common) {
     // Outputs and messages.
     program.add("--force", common.force,
                 "Write into a folder of results, such as out/map/SCENE, even if it has pictures or tables that "
-                "lostbits did not "
-                "make; they are kept, and none is overwritten");
+                "lostbits did not make; they are kept, and none is overwritten");
     program.add_list("--figure", common.figures, "Kinds of pictures (default: png); svg and pdf are vector graphics",
                      shell::one_of({"png", "svg", "pdf"}));
     program.add("-q,--quiet", common.quiet, "Print errors only");

@@ -130,8 +130,8 @@ public:
 
 private:
     std::vector<AxisSteps> steps_;
-    std::vector<std::unique_ptr<output::offset::OffsetsAlongAxisWriter>>
-        writers_;  ///< one for each axis; none in a shard
+    /// One for each axis; none in a shard.
+    std::vector<std::unique_ptr<output::offset::OffsetsAlongAxisWriter>> writers_;
 };
 
 /// The number of pixels of all rows of a study and of its further files.

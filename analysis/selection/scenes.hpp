@@ -23,8 +23,8 @@ struct SceneOptions {
     std::string size, variant;       ///< empty: the scene's own size, all variants
     std::vector<std::string> set;    ///< assignments of --set
     intersect::process::StopToken stop = {};
-    bool refuses_ranges =
-        false;  ///< for a command whose rays go from t = 0 to infinity: scenes whose rays have a range are refused
+    /// For a command whose rays go from t = 0 to infinity: scenes whose rays have a range are refused.
+    bool refuses_ranges = false;
 };
 
 /// Loads the scenes. Throws InputError if a scene is given twice, since its results go to a folder with its name.

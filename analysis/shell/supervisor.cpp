@@ -244,8 +244,8 @@ private:
     Clock::time_point status_time_{}, last_check_ = Clock::now();
     Clock::duration stopped_for_{};
     std::optional<int> status_;
-    std::vector<std::string>
-        partial_files_;  ///< names received so far; many of these files have their final names by now
+    /// Names received so far; many of these files have their final names by now.
+    std::vector<std::string> partial_files_;
     std::set<int> received_signals_;
     bool was_slow_ = false, is_broken_ = false, is_stopped_ = false, was_stopped_ = false;
 };

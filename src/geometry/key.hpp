@@ -47,8 +47,8 @@ struct ShapeTexts {
     std::string_view simplest;      ///< the simplest primitive, all of which lies within 2 of the origin
     std::string_view touching_ray;  ///< a ray that only touches the primitive
     std::string_view degenerate;    ///< a primitive no larger than a point
-    std::string_view
-        anchor_points;  ///< the points that determine the position of the primitive, in the plural, such as `centres`
+    /// The points that determine the position of the primitive, in the plural, such as `centres`.
+    std::string_view anchor_points;
 };
 
 }  // namespace lostbits

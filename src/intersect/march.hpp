@@ -57,8 +57,8 @@ struct MarchRecord {
     int iterations = 0;  ///< number of samples of the field, without those of a refinement
     StopReason stop = StopReason::max_steps;
     double least = 0;  ///< the smallest |field| of the samples; NaN if every sample was NaN
-    double deepest =
-        0;  ///< the smallest field value of the samples, with its sign: if negative, the march went through the surface
+    /// The smallest field value of the samples, with its sign: if negative, the march went through the surface.
+    double deepest = 0;
 };
 
 }  // namespace lostbits::intersect

@@ -245,8 +245,7 @@ std::optional<Value> Walk::run_call_instruction(MemoryState& state, Cursor& curs
     fail("it calls " + source_name(name) +
          ", which is not followed: operations are + - * / sqrt fma fabs copysign fmin fmax pow(x, 2) floor ceil trunc "
          "round roundeven rint nearbyint and comparisons; to measure this function's answers all the same, call it "
-         "from a "
-         "plugin (docs/your-own-intersector.md)");
+         "from a plugin (docs/your-own-intersector.md)");
 }
 
 /// Reads the function that is called: by its name, by an address that is known, or by its name in a cast.

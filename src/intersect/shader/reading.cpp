@@ -206,8 +206,8 @@ std::map<std::string_view, long long> integer_constants(const std::vector<Token>
 struct EndIndices {
     std::vector<std::size_t> bracket;    ///< index after the closing bracket; for other tokens the next index
     std::vector<std::size_t> semicolon;  ///< index of the next semicolon, from this token on
-    std::vector<std::size_t>
-        statement;  ///< index after the statement that begins here: a block, or up to the next semicolon
+    /// Index after the statement that begins here: a block, or up to the next semicolon.
+    std::vector<std::size_t> statement;
 
     explicit EndIndices(const std::vector<Token>& code)
         : semicolon(code.size() + 1, code.size()), statement(semicolon) {

@@ -240,10 +240,8 @@ void apply_property(const Property& property, ShaderSource& shader) {
              !external::set_property(shader.contract, property.key, property.value, property.where))
         throw InputError(property.where + ": unknown key " + external::quote_text(property.key) +
                          "; known keys are function, name, title, direction, roots, touching, at_origin, inside, "
-                         "facing, flags, miss "
-                         "and format; for a field also hit_eps, max_dist and max_steps; for a march or field with its "
-                         "own primitives "
-                         "also shape");
+                         "facing, flags, miss and format; for a field also hit_eps, max_dist and max_steps; for a "
+                         "march or field with its own primitives also shape");
 }
 
 /// Throws InputError if the function does not receive where rays begin and end.

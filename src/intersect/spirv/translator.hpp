@@ -31,9 +31,9 @@ struct SpirvType {
     std::size_t size = 0, align = 1;  ///< in bytes, as LLVM lays it out
     int bits = 0;
     bool is_signed = false;
-    std::vector<const SpirvType*> parts =
-        {};                 ///< the members of a structure; the item type of a vector, matrix or array;
-                            ///< the target of a pointer; the result and the parameters of a function
+    /// The members of a structure; the item type of a vector, matrix or array; the target of a pointer; the result and
+    /// the parameters of a function.
+    std::vector<const SpirvType*> parts = {};
     std::size_t count = 0;  ///< number of items of a vector, a matrix or an array
     /// The item of a vector, a matrix or an array, or member k of a structure; null if there is no part k.
     [[nodiscard]] const SpirvType* part(std::size_t k) const;

@@ -17,14 +17,14 @@ namespace lostbits::measure::apriori {
 
 /// Observed errors of rays: |t^ − t| of hits with and without rounding, in units of t.
 struct ObservedErrors {
-    /// Numbers of pairs of a ray and a primitive that hit; `bounded_hit_count` are those in boxes with a bound.
+    /// Number of pairs of a ray and a primitive that hit; `bounded_hit_count` are those in boxes with a bound.
     std::uint64_t hit_count = 0, bounded_hit_count = 0;
     double largest_error = 0;             ///< of the bounded hits
     double largest_ratio = 0;             ///< of an error to the bound of its box; if it is above 1, a bound is wrong
     std::uint64_t running_hit_count = 0;  ///< number of bounded hits for which `Bounded` has a running bound too
     double largest_running_bound = 0;     ///< of the running hits
-    std::uint64_t larger_running_bound_count =
-        0;  ///< number of running bounds that are larger than the bound of their box
+    /// Number of running bounds that are larger than the bound of their box.
+    std::uint64_t larger_running_bound_count = 0;
 
     void append(const ObservedErrors& other);
 };

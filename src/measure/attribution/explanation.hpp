@@ -71,8 +71,8 @@ struct Explanation {
     /// Forms of the same shape in the same format that are right on the ray and lose fewer bits near it, best first.
     std::vector<FormResult> better_forms = {};
     std::vector<FormResult> compared_forms = {};  ///< results of the forms that were named for comparison
-    std::vector<const intersect::table::Intersector*> incomparable_forms =
-        {};                      ///< named forms of another shape, or not available in the format
+    /// Named forms of another shape, or not available in the format.
+    std::vector<const intersect::table::Intersector*> incomparable_forms = {};
     int nearby_pixel_count = 0;  ///< number of rays in the means; 0: the ray's neighbours (`make_neighbours`) are used
     /// Errors of external intersectors that were tried in the comparison and did not answer.
     std::vector<std::string> failures = {};

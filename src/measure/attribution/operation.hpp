@@ -49,8 +49,8 @@ struct OperationText {
     Precedence precedence;
     Pattern plain;           ///< ASCII
     Pattern pretty = plain;  ///< with characters beyond ASCII
-    std::string_view plain_in_loop =
-        {};     ///< replaces `plain` in the generic style, if the operands differ in each round of a loop
+    /// Replaces `plain` in the generic style, if the operands differ in each round of a loop.
+    std::string_view plain_in_loop = {};
     Pattern c;  ///< over float or double
     /// Formats that C lacks are computed in double. `c_wide` replaces `c` where the rounded double is not enough: it
     /// calls a function that rounds the exact result to the format. If C cannot do that, `missing_in_c` names what is

@@ -17,8 +17,8 @@ enum class SegmentEnd : std::uint8_t { whole, shortened };
 struct SegmentRays {
     Ray<double> by_difference;  ///< direction q − p, rounded once
     double difference_end = 1;
-    Ray<double>
-        by_unit;  ///< direction (q − p)/|q − p| as the format computes it: three products, two sums, root, quotients
+    /// Direction (q − p)/|q − p| as the format computes it: three products, two sums, root, quotients.
+    Ray<double> by_unit;
     double unit_end = 1;  ///< |q − p| as computed, times the fraction of the way
 };
 

@@ -63,8 +63,8 @@ struct BitsNeededBand {
     int y0, scanlines, width;
     const truth::Band* band;
     const intersect::Info* form;
-    std::vector<double>
-        bits_needed;  ///< `min_precision` to `max_precision`, `beyond_max_precision`, or NaN if unresolved
+    /// `min_precision` to `max_precision`, `beyond_max_precision`, or NaN if unresolved.
+    std::vector<double> bits_needed;
 
     /// Truth by the form's own convention.
     [[nodiscard]] truth::Truth truth(std::size_t i) const { return band->truth(i, form->convention()); }

@@ -67,8 +67,8 @@ struct FormSummary {
     std::vector<metric::Distribution> metrics;  ///< in the order of the request's metrics
     /// For each metric with categories, the number of rays in each category; empty for other metrics.
     std::vector<std::vector<std::uint64_t>> categories;
-    WorstRay
-        worst;  ///< correct hit with the largest |ulp_error|, the first if several are equal; x < 0: no hit is correct
+    /// Correct hit with the largest |ulp_error|, the first if several are equal; x < 0: no hit is correct.
+    WorstRay worst;
     /// The first ray with each of the `wrong_decisions`, in their order; null if the form never makes the decision.
     std::array<std::unique_ptr<WorstRay>, wrong_decisions.size()> faults;
 

@@ -87,8 +87,7 @@ constexpr Metric rows_of_t[] = {
     table_row(
         {"derivative_error", "u", "err.derivative"},
         "error of the derivatives dt/dx, where x is a number of origin, direction, points or lengths: the largest "
-        "error of "
-        "a derivative, divided by the largest derivative of its vector. The derivatives come from forward "
+        "error of a derivative, divided by the largest derivative of its vector. The derivatives come from forward "
         "differentiation of the form in its format. Forms for unit directions are not differentiated by the "
         "direction; a primitive with a transform has no value",
         derivative_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-1})};

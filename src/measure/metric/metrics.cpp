@@ -161,8 +161,7 @@ constexpr Metric table[] = {
     table_row(
         {"decision", "", "bound.decision"},
         "tells whether the form's own running bounds prove its hit or miss; for the primitive that the form hits, "
-        "else the "
-        "one truly hit, else the ray's own or the first of several",
+        "else the one truly hit, else the ray's own or the first of several",
         decision,
         {.needs = needs_bound,
          .ramp = Ramp::categories,
@@ -180,8 +179,8 @@ constexpr Metric table[] = {
          .categories = intersect::arithmetic_names}),
     table_row({"worst_step", "", "space.step"},
               "for a primitive with a transform: the step to object space or back to which most of the error of t is "
-              "assigned, "
-              "or the first one that changes the decision; each step in turn is rounded, with the steps after it exact",
+              "assigned, or the first one that changes the decision; each step in turn is rounded, with the steps "
+              "after it exact",
               worst_step,
               {.needs = needs_steps,
                .ramp = Ramp::categories,
@@ -222,8 +221,7 @@ constexpr Metric table[] = {
               {.needs = needs_tape, .ramp = Ramp::magnitude, .low = 0x1p-4}),
     table_row({"against", "", "against.class"},
               "tells whether the form of --against makes the same decision with the same t; alone_hits: the form of "
-              "--against "
-              "misses",
+              "--against misses",
               nullptr, {.ramp = Ramp::categories, .domain = MetricDomain::pairs, .categories = answer::against_names}),
     table_row({"apart", "ulp", "against.apart"},
               "(t - t of the form of --against) / ulp(t of that form), where both hit", nullptr,

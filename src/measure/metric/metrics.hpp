@@ -27,12 +27,12 @@ namespace lostbits::measure::metric {
 struct Sample {
     double t = truth::missing;       ///< the form's answer, a number of the format
     const Format* format = nullptr;  ///< the format of the form under test
-    const truth::CertifiedNumber* true_t =
-        nullptr;                            ///< t*, in the unit of the form's answer (a distance for unit directions)
-    double rounded_truth = truth::missing;  ///< RN_F(t*)
+    /// t*, in the unit of the form's answer (a distance for unit directions).
+    const truth::CertifiedNumber* true_t = nullptr;
+    double rounded_truth = truth::missing;                 ///< RN_F(t*)
     const truth::CertifiedNumber* stored_truth = nullptr;  ///< the truth of the inputs as the format holds them
-    const truth::CertifiedNumber* unrounded_t =
-        nullptr;                        ///< the form without rounding, on the inputs as the format holds them
+    /// The form without rounding, on the inputs as the format holds them.
+    const truth::CertifiedNumber* unrounded_t = nullptr;
     double condition = truth::missing;  ///< κ of the problem at its ideal inputs
     double reach = truth::missing;      ///< distance that half an ulp in each input can move t*, see `truth::reach`
     double reach_normwise = truth::missing;         ///< the same for errors of u times the length of each vector

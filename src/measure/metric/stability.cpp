@@ -101,8 +101,7 @@ constexpr Metric rows_of_stability[] = {
     table_row(
         {"wrong_decision", "", "stability.wrong"},
         "tells whether a false hit, a false miss or a wrong primitive is proved to be wrong for all problems within "
-        "u of "
-        "every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
+        "u of every number (beyond_u), or to be right for one of them (within_u); unproved: neither",
         wrong_decision, {.ramp = Ramp::categories, .domain = MetricDomain::every, .categories = wrong_decision_names}),
     table_row({"cestac_bits", "bits", "prediction.cestac"},
               "correct bits of the mean t of three runs with random rounding, as CESTAC predicts them from the three "
@@ -115,8 +114,7 @@ constexpr Metric rows_of_stability[] = {
         cestac_error, {.needs = needs_attribution, .ramp = Ramp::magnitude, .low = 0x1p-4, .high = 0x1p+6}),
     table_row({"cestac_digit", "", "prediction.cestac_digit"},
               "tells whether cestac_error is a decimal digit, log2(10) bits, or more (overrated); statistics of "
-              "cestac_error are "
-              "of its magnitude, so they include predictions that are too low",
+              "cestac_error are of its magnitude, so they include predictions that are too low",
               cestac_digit,
               {.needs = needs_attribution,
                .ramp = Ramp::categories,

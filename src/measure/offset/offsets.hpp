@@ -33,8 +33,8 @@ LOSTBITS_FIELDS(FaultyRay, x, y, primitive_index, ray, primitive)
 /// Results of one strategy to one side, over all points.
 struct StrategySummary {
     std::array<std::uint64_t, fault_names.size()> fault_counts{};  ///< rays with each fault
-    std::array<std::optional<FaultyRay>, fault_names.size()> first_faulty_rays =
-        {};                            ///< first ray with each fault, by pixel
+    /// First ray with each fault, by pixel.
+    std::array<std::optional<FaultyRay>, fault_names.size()> first_faulty_rays = {};
     std::uint64_t bad_ray_count = 0;   ///< rays with a fault besides `wrong_side` (`wrong_side` by itself is harmless)
     metric::Distribution offset_size;  ///< largest |new origin − p| of each point
     metric::Distribution size_ratio;   ///< `offset_size` over the smallest safe offset, where this is finite and not 0

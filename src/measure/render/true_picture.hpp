@@ -42,8 +42,8 @@ struct TruePixel {
     bool has_normal = false;  ///< a sphere is seen and its normal is tight
     TrueShadow shadow = TrueShadow::untested;
     bool faces_light = false;  ///< N·L > 0 is proved
-    std::array<TrueColour, scene::file::stage_names.size()>
-        colours;   ///< indexed by stage; set for the requested stages
+    /// Indexed by stage; set for the requested stages.
+    std::array<TrueColour, scene::file::stage_names.size()> colours;
     int bits = 0;  ///< precision of the last attempt
 };
 

@@ -102,9 +102,9 @@ struct RepairResult {
     /// The operations to widen. Empty if the form already meets the requirement; absent if it fails even with every
     /// operation wider.
     std::optional<WiderSet> wider_set = {};
-    RewritingResult rewriting =
-        {};                         ///< other ways of writing the form; none if the form meets the requirement as it is
-    std::uint64_t tried_count = 0;  ///< candidates tried, each on all rays
+    /// Other ways of writing the form; none if the form meets the requirement as it is.
+    RewritingResult rewriting = {};
+    std::uint64_t tried_count = 0;           ///< candidates tried, each on all rays
     scene::file::Scene held_out_scene = {};  ///< the scene in other pixels: rays that were not searched on
     /// Quality of the form and of the set on `held_out_scene`; with files, on all their rays.
     FormQuality own_held_out_quality{}, set_held_out_quality{};

@@ -98,8 +98,8 @@ struct ExhaustiveRequest;
 
 /// Progress of a run: all that is needed to continue it.
 struct ExhaustiveState {
-    std::uint64_t tried_float_count =
-        0;                            ///< floats of the share tried so far, in order, each with every form on every ray
+    /// Floats of the share tried so far, in order, each with every form on every ray.
+    std::uint64_t tried_float_count = 0;
     std::vector<FloatTally> tallies;  ///< see `ExhaustiveRequest::tally_index`
     truth::StageCounts stages{};      ///< counts of truths; their sum depends on how often forms shared a truth
 

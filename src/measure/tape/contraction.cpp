@@ -196,8 +196,8 @@ private:
     std::vector<NodeId> first_equal_;
     std::vector<std::vector<NodeId>> users_;
     std::map<NodeId, FusedSum> fused_sums_;  ///< indexed by the node of the sum
-    std::set<NodeId>
-        removed_nodes_;  ///< products that are fused with all their sums, and the negatives of these products
+    /// Products that are fused with all their sums, and the negatives of these products.
+    std::set<NodeId> removed_nodes_;
     std::vector<NodeId> new_nodes_;
     Tape result_;
 };

@@ -29,8 +29,8 @@ struct StepColumns {
     float* floats;
     double* doubles;
     bool* decisions;
-    std::size_t
-        rays;  ///< number of valid rays; the other lanes of their last register are computed too, but never read
+    /// Number of valid rays; the other lanes of their last register are computed too, but never read.
+    std::size_t rays;
 };
 
 /// One function for each register width, each in its own object.

@@ -63,8 +63,8 @@ std::string witness_command(const Claim& claim, const ClaimResult& result);
 struct SubjectTexts {
     std::string heading;  ///< heading of all claims about the subject: `near-benign, rendered`
     std::string subject;  ///< scene, sweep or table with the position in it: `near-benign, rendered to stage phong`
-    std::string
-        position;  ///< only the position in the scene, sweep or table, for texts below the heading: `stage phong`
+    /// Only the position in the scene, sweep or table, for texts below the heading: `stage phong`.
+    std::string position;
     std::string command;  ///< command that measures the subject again with all files
 };
 

@@ -207,8 +207,7 @@ Table<CheckSummary> number_columns() {
          [](const S& s) { return fraction_or_missing(s.count_of(CheckResult::by_inputs), s.question_count()); }},
         {"apart_p50", "ulp",
          "|near + far from the other end - length| in ulps of the length; for placed |t - the other t| in ulps of t, "
-         "as "
-         "computed: median",
+         "as computed: median",
          percentile(&S::apart, 50)},
         {"apart_p99", "ulp", "the same: 99th percentile", percentile(&S::apart, 99)},
         {"apart_max", "ulp", "the same: largest", percentile(&S::apart, 100)},

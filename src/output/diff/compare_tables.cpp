@@ -93,8 +93,8 @@ std::vector<MatchedColumns> match_headers(const CsvTable& a, const CsvTable& b, 
 struct RowPairs {
     std::vector<std::pair<std::size_t, std::size_t>> pairs;
     std::vector<std::size_t> only_a, only_b;
-    const CsvColumn* id_column =
-        nullptr;  ///< the column of the first table by which rows are paired; null if they are paired by index
+    /// The column of the first table by which rows are paired; null if they are paired by index.
+    const CsvColumn* id_column = nullptr;
 };
 
 /// Pairs rows with the same `id` (claims have one) if both tables have such a column without repetitions, and

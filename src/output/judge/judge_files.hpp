@@ -19,8 +19,8 @@ struct JudgeWriterOptions {
     std::filesystem::path folder;
     std::string id, title;
     std::string command;  ///< the command that finds the worst rays again
-    std::vector<const measure::metric::Metric*> drawn_metrics =
-        {};                                ///< metrics on sheets; empty: the rays are no picture
+    /// Metrics on sheets; empty: the rays are no picture.
+    std::vector<const measure::metric::Metric*> drawn_metrics = {};
     bool draws_single_pictures = false;    ///< also each picture of a sheet alone
     bool writes_rows = false;              ///< one row per ray in `<form>.<format>.csv`
     std::size_t worst_count = 10;          ///< number of rays of each kind that worst.toml holds

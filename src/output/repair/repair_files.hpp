@@ -93,8 +93,8 @@ struct FormRow {
     std::size_t rounding_operation_count = 0;   ///< number of rounding operations; 0 for the catalogue
     std::size_t wider_operations = 0;           ///< number of operations that are done wider
     const FormQuality* quality = nullptr;
-    const FormQuality* held_out_quality =
-        nullptr;  ///< accuracy on rays that the search did not use; null: not measured
+    /// Accuracy on rays that the search did not use; null: not measured.
+    const FormQuality* held_out_quality = nullptr;
     const std::vector<FormQuality>* probe_qualities = nullptr;  ///< accuracy on each probe; null: not measured
     std::string rules = {};                                     ///< rules that rewrote the form
     std::string wider_format = {};                              ///< format of the wider operations

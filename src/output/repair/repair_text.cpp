@@ -234,8 +234,7 @@ std::string obstruction_text(const RepairSummary& summary) {
         measure::repair::is_more_accurate(*with_unit_directions, exact))
         return fmt::format(
             "  In the way: {} assumes directions of length one, but after rounding to {} their lengths differ from one "
-            "by up to {:.2g}. "
-            "On a sample, {}; with directions of length one to 53 bits, they {}.\n",
+            "by up to {:.2g}. On a sample, {}; with directions of length one to 53 bits, they {}.\n",
             form.name, summary.request.tested_form.format.name, largest_length_error, exact_text,
             quality_clause(*with_unit_directions, requirement));
     if (!exact.meets(requirement))

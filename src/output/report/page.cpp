@@ -231,9 +231,8 @@ std::string offsets_body(const std::vector<StudySection>& offsets) {
         "<p>A ray that leaves a computed point may hit the primitive that it leaves again, so renderers move its "
         "origin. A move that is too short leaves such self-hits. One that is too long jumps past a neighbour or "
         "through a thin primitive. Here the points are computed by {} in {}, and on boxes by {}. The tables give, for "
-        "each strategy, the share "
-        "of rays that go wrong (a start on the wrong side alone does no harm and does not count):</p>\n<div "
-        "class=\"wide\">{}</div>\n",
+        "each strategy, the share of rays that go wrong (a start on the wrong side alone does no harm and does not "
+        "count):</p>\n<div class=\"wide\">{}</div>\n",
         measure::offset::usual_forms()[0], measure::offset::usual_format, measure::offset::usual_forms()[1],
         offset_overview(offsets));
 

@@ -40,8 +40,7 @@ table::Table<CaseRow> make_case_table(const CaseRequest& request) {
         {"case", "name of the case", &R::name},
         {"convention",
          "convention by which touching and t = 0 are judged: the form's own (own); touching is a hit (closed) or a "
-         "miss (open); "
-         "t = 0 is a hit in both",
+         "miss (open); t = 0 is a hit in both",
          [](const R& r) { return intersect::convention_name(r.summary.tested_form.touching); }},
         {"verdict",
          fmt::format(

@@ -117,8 +117,7 @@ Table<FloatsRow> make_worst_columns(const std::string& unit) {
           "(t − t*)/ulp(t*) of the float at which it is largest in size, by the unrounded truth", &W::ulps},
          {"ulp_error_at_most", "ulp",
           "bound on the size of the error of every float: close to the worst, and above it by at most 2^-8 ulp "
-          "if thousands "
-          "of floats are equally bad",
+          "if thousands of floats are equally bad",
           &W::error_bound},
          // the float
          {"worst_at", unit, "the worst float", [](const W& w) { return float_at(w.float_index); }},

@@ -136,8 +136,7 @@ const measure::metric::Distribution& find_metric_values(const TradeRequest& requ
 std::string timing_text(const TradeRequest& request, const TradeResult& result) {
     if (!request.scene)
         return "Time per ray: half of the timed rays hit, like those of the set `easy`; the other half miss. The data "
-               "fill half of the L1 "
-               "cache (`l1`). The times are from this run, and vary from run to run.\n";
+               "fill half of the L1 cache (`l1`). The times are from this run, and vary from run to run.\n";
     const auto& timed = result.times.front().front();
     return fmt::format(
         "Time per ray and primitive: {} of the scene against {} of its primitives. The times are from this run, and "

@@ -134,8 +134,8 @@ std::optional<ChunkWriter::RecordFault> ChunkWriter::find_fault_of_limits() cons
     if (broken->key->limit == Key::Limit::positive)
         return fault_at(s, fmt::format("{} of {} must be greater than 0; leave this ray out", broken->key->name, name));
     if (broken->key->limit != Key::Limit::at_least_previous)
-        return fault_at(
-            s, fmt::format("{} {}; or leave this ray out", broken->key->name, limit_phrase(*shape_, *broken)));
+        return fault_at(s,
+                        fmt::format("{} {}; or leave this ray out", broken->key->name, limit_phrase(*shape_, *broken)));
 
     // Names the lower one of two corners in the wrong order.
     const std::size_t lower_slot = s - broken->key->count();

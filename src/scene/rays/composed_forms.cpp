@@ -29,8 +29,7 @@ const Intersector& with_generator(const RayGenerator& generator, const Intersect
     if (form.is_set() || form.has_transform_method || generator_of(form))
         throw InputError(fmt::format(
             "{}: {} cannot be combined with {}; name one form without a transform method, or write camera.rays = "
-            "\"{}\" into the "
-            "scene, or use --set camera.rays={}",
+            "\"{}\" into the scene, or use --set camera.rays={}",
             name, form.info->name, std::string(generator_prefix) + std::string(generator.info->name),
             generator.info->name, generator.info->name));
     return composed_forms().find_or_add({&generator, &form}, [&](FormTable::ComposedForm& made) {

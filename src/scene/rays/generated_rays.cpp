@@ -24,14 +24,17 @@ Matrix4<Real> to_world(const CameraFrame<Real>& f, const Vec<Real>& position) {
     return matrix({row(0), row(1), row(2), {Real(0), Real(0), Real(0), Real(1)}});
 }
 
-/// Builds a projection. z/w is p = `depth_near` on the near plane and q = `depth_far` on the far plane, with w = -z. If
-/// n and f are the distances of the planes, z' = a z + b with a = (p n - q f)/(f - n) and b = (p - q) f n/(f - n). With
-/// f at infinity, a = -q and b = (p - q) n.
-Matrix4<Real> projection(const CameraProjection& p, const CameraNumbers<Real>& camera) {
+/// Builds a projection between two planes. z/w is p = `depth_near` on the near plane and q = `depth_far` on the far
+/// plane, with w = -z. If n and f are the distances of the planes, z' = a z + b with a = (p n - q f)/(f - n) and b = (p
+/// - q) f n/(f - n). With f at infinity, a = -q and b = (p - q) n.
+Matrix4<Real> projection(const CameraProjection& planes, const CameraNumbers<Real>& camera) {
     const Real depth_range = camera.depth_near - camera.depth_far, zero(0);
-    const Real a = p.far ? Real((camera.depth_near * p.near - camera.depth_far * *p.far) / (*p.far - p.near))
-                         : Real(-camera.depth_far);
-    const Real b = p.far ? Real(depth_range * *p.far * p.near / (*p.far - p.near)) : Real(depth_range * p.near);
+    const Real a =
+        planes.far
+            ? Real((camera.depth_near * planes.near - camera.depth_far * *planes.far) / (*planes.far - planes.near))
+            : Real(-camera.depth_far);
+    const Real b = planes.far ? Real(depth_range * *planes.far * planes.near / (*planes.far - planes.near))
+                              : Real(depth_range * planes.near);
     return matrix({{{1 / camera.tan_x, zero, zero, zero},
                     {zero, 1 / camera.tan_y, zero, zero},
                     {zero, zero, a, b},
@@ -174,10 +177,10 @@ RecordedRay GeneratedRays::record_ray(const Format& format, camera::PixelCoordin
     }
 
     // Names the six numbers of the ray.
-    constexpr std::array<std::string_view, 6> numbers{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
+    constexpr std::array<std::string_view, 6> labels{"o.x", "o.y", "o.z", "d.x", "d.y", "d.z"};
     for (std::size_t k = 0; k < ray.size(); ++k) {
         recorded.ray[k] = new_ids[ray[k]];
-        recorded.tape.name(recorded.ray[k], numbers[k]);
+        recorded.tape.name(recorded.ray[k], labels[k]);
     }
     return recorded;
 }

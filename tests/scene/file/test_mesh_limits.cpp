@@ -113,8 +113,7 @@ TEST_CASE("a glTF file that transforms its mesh or refers to a remote buffer is 
                               R"("extensionsRequired": ["KHR_mesh_quantization", "EXT_x"], "asset")"),
                      bytes) ==
           "a.gltf: extensionsRequired: names \"KHR_mesh_quantization\", \"EXT_x\", which are not supported; export the "
-          "mesh "
-          "without them");
+          "mesh without them");
     CHECK(error_with("[]", bytes) == "a.gltf: is not a JSON object; a glTF file is one");
     CHECK(error_with("{}", bytes) == "a.gltf: has no asset");
 }

@@ -130,7 +130,8 @@ TEST_CASE("errors in a sweep over every float are reported with their line and a
               "s.toml:4:1: axis must be one [[axis]] table"));
     // Invalid primitives: those of the file, and those that the axis makes invalid.
     CHECK(has(error("radius = 1", "radius = 0"), "s.toml:17:10: sphere.radius is not greater than 0"));
-    CHECK(has(error("hi = [1, 1, 1]", "hi = [1, -2, 1]", good_box), ": box.hi is below lo in y; a box needs lo <= hi in x, y and z"));
+    CHECK(has(error("hi = [1, 1, 1]", "hi = [1, -2, 1]", good_box),
+              ": box.hi is below lo in y; a box needs lo <= hi in x, y and z"));
     CHECK(
         has(error("ray.origin.z\"\nfrom = 1", "sphere.radius\"\nfrom = -1"), "s.toml:9:8: axis.from leaves a sphere"));
     CHECK(has(error("ray.origin.z\"\nfrom = 1\nto = \"0x1.8p+1\"", "sphere.radius\"\nall = true"),

@@ -149,8 +149,7 @@ TEST_CASE("the schema is checked before anything else") {
     CHECK(has(schema_error("schema = \"lostbits-scene/99999999999\""), "newer than this program"));
     CHECK(schema_error("schema = \"lostbits-sweep/1\"") ==
           "t.toml:1:10: schema is \"lostbits-sweep/1\", which is another kind of file than \"lostbits-scene/1\", "
-          "expected "
-          "here; name a file of that kind");
+          "expected here; name a file of that kind");
     CHECK(has(schema_error("schema = \"\""), "another kind of file"));
     CHECK(schema_error("schema = 1") == "t.toml:1:10: schema is the integer 1, but a string is expected here");
 }
