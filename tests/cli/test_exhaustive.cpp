@@ -27,10 +27,8 @@ TEST_CASE("a sweep over every float between two gives exact onsets and the worst
     const auto r = must("sweep '" + file + "' -v -i sphere.schoolbook -i sphere.hearn_baker" + into(scratch, ""));
     const std::string sentence =
         "all 65537 floats between 0x1.69p+10 (1444) and 0x1.6bp+10 (1452) were tried: sphere.schoolbook on the ray "
-        "beside "
-        "decides correctly for every float up to 0x1.6a09eap+10 (1448.1549), and first fails at 0x1.6a09ecp+10 "
-        "(1448.155): "
-        "a false hit; it is wrong for ";
+        "beside decides correctly for every float up to 0x1.6a09eap+10 (1448.1549), and first fails at 0x1.6a09ecp+10 "
+        "(1448.155): a false hit; it is wrong for ";
     CHECK(has(r.out, sentence));
     CHECK(has(r.out, "sphere.hearn_baker on the ray beside decides correctly for every one of them\n"));
     CHECK(has(r.out, "  131074 truths: "));

@@ -89,7 +89,7 @@ TEST_CASE("the help of every command has two examples, its own options and one f
     CHECK(has(must("map --help").out, "--pixels none|csv"));
     CHECK(has(must("--help").out, "--progress auto|bar|none"));
     for (const char* section : {"Exit status:", "Environment:"}) CHECK(has(must("--help").out, section));
-    for (const char* section : {"\nFiles of rays:\n", "\nPrimitives of all rays (may be repeated; "})
+    for (const char* section : {"\nFiles of rays (docs/judge.md):\n", "\nPrimitives of all rays (may be repeated; "})
         CHECK(has(must("judge --help").out, section));
 }
 
@@ -124,12 +124,13 @@ TEST_CASE("old names of options are read, with one line that gives the new name"
     scratch.write("b.csv", "x,y\n1,2.5\n");
     scratch.write("rays.csv", rays);
     const std::string on_rays = "rays.csv --sphere 0,0,0,1 -o out";
-    const std::string at_step = "sphere-distance --ranges --set views=1 --set rays=4 --boxes 1 -i sphere.unified";
+    const std::string at_step = "sphere-distance --ranges --set views=1 --set rays=4 --pieces 1 -i sphere.unified";
     const std::vector<std::pair<std::string, std::pair<std::string, std::string>>> uses{
         {"diff a.csv b.csv", {"--tolerance y=1", "--allow y=1"}},
         {"diff a.csv a.csv", {"--pictures", "--compare-pictures"}},
         {"explain " + at_step, {"--at 4", "--at-step 4"}},
-        {"explain near-benign --size 4x4 --ranges --boxes 1 -i sphere.unified",
+        {"explain near-benign --size 4x4 --ranges -i sphere.unified", {"--boxes 2", "--pieces 2"}},
+        {"explain near-benign --size 4x4 --ranges --pieces 1 -i sphere.unified",
          {"--range d.x=0..0.1", "--input-range d.x=0..0.1"}},
         {"judge " + on_rays, {"--format f32", "--answer-format f32"}},
         {"judge " + on_rays, {"--file-format f32", "--answer-format f32"}},

@@ -150,8 +150,7 @@ TEST_CASE("the envelope makes lost bits paler exactly where the problem explains
     const Scratch scratch;
     const std::string what =
         "map grazing --size 96x96 -i sphere.schoolbook -f f32 -f f64 --metric lost_bits --metric excess_bits --exr "
-        "--pictures all -o "
-        "'";
+        "--pictures all -o '";
     must(what + (scratch / "with").string() + "' --envelope");
     must(what + (scratch / "without").string() + "'");
     // Half of the bits of a format, by its square root.

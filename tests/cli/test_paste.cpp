@@ -168,8 +168,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
 )");
     must("sweep './my cases.toml' extremes/contact extremes/not-numbers box-boundary " LOSTBITS_DATA_DIR
          "/hard/near.toml -i sphere.schoolbook -i sphere.unified -i box.signs -i box.baseline -f f32 "
-         "-f f64 -f bf16 -o "
-         "out",
+         "-f f64 -f bf16 -o out",
          folder.path());
     const std::vector<std::tuple<std::string, std::size_t, int>> files{
         {"my cases", 1, 12}, {"contact", 3, 3}, {"not-numbers", 2, 3}, {"box-boundary", 29, 10}, {"near", 17, 10}};

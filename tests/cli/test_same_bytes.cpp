@@ -52,8 +52,7 @@ const Row rows[] = {
     {"sweep distance.toml -i '*press*' --figure svg,pdf -o out", 7},
     {"sweep distance.toml --steps 5 --set views=2 -f f32 -f f64 -o out", 3, true},
     {"sweep distance.toml -i sphere.schoolbook -i sphere.unified -f f32 --metric culprit --metric cancellation "
-     "--metric "
-     "cancellation:c --metric contribution:c -o out",
+     "--metric cancellation:c --metric contribution:c -o out",
      5},
     {"sweep march.toml -i 'sdf.*' -f f32 -o out", 6},
     {"sweep extremes/not-numbers extremes/scale -i sphere.schoolbook -i '*press*' -f f32 -f fp16 -f p5 -o out", 8},
@@ -68,8 +67,7 @@ const Row rows[] = {
      "out",
      10},
     {"judge far-sphere.csv --answer-format f32 --sphere 0,0,0,1 --size 48x32 --rows -i 'sphere.p*' --metric residual "
-     "--metric "
-     "lost_bits --pictures all -o out",
+     "--metric lost_bits --pictures all -o out",
      11},
     {"judge far-sphere.csv --answer-format f32 --sphere 0,0,0,1 -i 'sphere.p*' --by y --tolerance 0.001 --bits 12 -o "
      "out",

@@ -135,7 +135,8 @@ namespace {
 scene::file::Scene scene_named(const std::string& id) { return test::scene_named(id, std::pair{24, 24}); }
 
 RangesBound bound_of(const char* form, const scene::file::Scene& scene, std::size_t count = 1024) {
-    return bound_over_ranges({.rays = scene, .form = &form_named(form), .format = *find_format("f32"), .max_box_count = count});
+    return bound_over_ranges(
+        {.rays = scene, .form = &form_named(form), .format = *find_format("f32"), .max_box_count = count});
 }
 
 }  // namespace
@@ -170,8 +171,10 @@ TEST_CASE("the ranges of a sweep step cover its rays at all of its primitives", 
             changes.set.push_back(scene::toml::parse_override(set));
         const scene::sweep::SweepFile sweep(data / "sweeps/sphere-distance.toml", data, changes);
         const measure::apriori::StepRays step{"step", sweep.rays({4})};
-        const RangesBound r = bound_over_ranges(
-            {.rays = step, .form = &form_named("sphere.unified"), .format = *find_format("f32"), .max_box_count = 1024});
+        const RangesBound r = bound_over_ranges({.rays = step,
+                                                 .form = &form_named("sphere.unified"),
+                                                 .format = *find_format("f32"),
+                                                 .max_box_count = 1024});
         INFO(views);
         REQUIRE(r.ranges.size() == 1);
         CHECK(r.ray_count == 64 * step.groups.size());

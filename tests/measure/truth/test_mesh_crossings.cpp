@@ -113,7 +113,8 @@ PrimitiveList<double> primitives_of(const std::vector<Corners>& mesh) {
 }
 
 std::shared_ptr<const BoxTree> tree_of(const PrimitiveList<double>& primitives) {
-    return BoxTree::make(primitives, {.max_origin_distance = 64, .min_direction_length = 1, .max_direction_length = 64}, nullptr);
+    return BoxTree::make(primitives, {.max_origin_distance = 64, .min_direction_length = 1, .max_direction_length = 64},
+                         nullptr);
 }
 
 /// Compares all crossings of a ray with those in integers.
