@@ -11,7 +11,7 @@
 #include "fpcore.hpp"
 #include "intersect/table/table.hpp"
 #include "program.hpp"
-#include "setting_of.hpp"
+#include "scene_and_pixel.hpp"
 
 namespace test_explain {
 
@@ -106,7 +106,7 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const char* format : formats) {
             if (form.info->formats == intersect::Formats::binary32_only && format != std::string("f32")) continue;
-            asked.emplace_back(setting_of(form.shape) + " -i " + std::string(form.info->name), format);
+            asked.emplace_back(scene_and_pixel_of(form.shape) + " -i " + std::string(form.info->name), format);
         }
     }
     // Misses, whose t may be any NaN; the widest formats that round; an answer that is not a number.
@@ -115,7 +115,7 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
           "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
         for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) asked.emplace_back(more, format);
     }
-    for (const char* filtered : settled_exactly)
+    for (const char* filtered : exact_step_rays)
         for (const char* format : {"f32", "f64", "p52"}) asked.emplace_back(filtered, format);
     std::multiset<std::string> refused;
     for (const auto& [what, format] : asked) {
@@ -166,7 +166,7 @@ TEST_CASE("explain: FPCore parses as s-expressions and evaluates to the recorded
             const auto place = &form - intersect::table::intersectors().data();
             if (!is_long() && (format == "f32" ? place % 2 != 0 : place % 4 != 1)) continue;
             const std::string where =
-                "explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
+                "explain " + scene_and_pixel_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
             const auto r = must(where + " --fpcore");
             std::size_t at = 0;
             const auto core = test::read_expression(r.out, at);

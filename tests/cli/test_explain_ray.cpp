@@ -6,7 +6,7 @@
 #include "catch.hpp"
 #include "explained.hpp"
 #include "program.hpp"
-#include "setting_of.hpp"
+#include "scene_and_pixel.hpp"
 
 namespace test_explain_ray {
 
@@ -198,7 +198,7 @@ TEST_CASE("a claim about all wrong decisions names the first one, as explain --w
 }
 
 TEST_CASE("explain: a form that decides exactly shows what ran, with the exact step as one call") {
-    for (const std::string asked : settled_exactly) {
+    for (const std::string asked : exact_step_rays) {
         INFO(asked);
         const auto j = told(asked + " -f f32");
         CHECK(j["outcome"] == "agree_hit");
@@ -218,7 +218,7 @@ TEST_CASE("explain: a form that decides exactly shows what ran, with the exact s
         CHECK(core.code == (has(asked, "box") ? 0 : 2));  // its t is not computed by an exact step
         if (core.code == 2) CHECK(has(core.err, "by a call that sums without rounding"));
     }
-    CHECK(has(run(std::string("explain ") + settled_exactly[0] + " -f f32").out, "t = 0"));
+    CHECK(has(run(std::string("explain ") + exact_step_rays[0] + " -f f32").out, "t = 0"));
 }
 
 }  // namespace test_explain_ray
