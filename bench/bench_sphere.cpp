@@ -68,8 +68,8 @@ void count_rays(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(ray_count));
 }
 
-void truth(benchmark::State& state, const RaySet& (*rays)()) {
-    const RaySet& set = rays();
+void truth(benchmark::State& state, const RaySet& (*get_rays)()) {
+    const RaySet& set = get_rays();
     for (auto _ : state) {
         for (std::size_t i = 0; i < ray_count; ++i)
             benchmark::DoNotOptimize(measure::truth::find_truth(set[i], set.sphere));
@@ -78,8 +78,8 @@ void truth(benchmark::State& state, const RaySet& (*rays)()) {
 }
 
 /// A reference by plain high precision: the half-b quadratic in 256 bits, without a certificate.
-void plain_mpfr(benchmark::State& state, const RaySet& (*rays)()) {
-    const RaySet& set = rays();
+void plain_mpfr(benchmark::State& state, const RaySet& (*get_rays)()) {
+    const RaySet& set = get_rays();
     const auto vec = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
     const Sphere<Real> sphere{vec(set.sphere.centre), Real(set.sphere.radius)};
     for (auto _ : state) {
