@@ -100,25 +100,25 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
     const Scratch scratch;
     int compiled = 0;
     std::map<std::string, std::map<std::string, int>> seen;  // words, by the format
-    std::vector<std::pair<std::string, std::string>> asked;
+    std::vector<std::pair<std::string, std::string>> questions;
     std::vector<const char*> formats{"f32", "p52"};  // with 52 bits, half of all results are ties
     if (test::is_long()) formats.insert(formats.end(), {"f64", "bf16"});
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const char* format : formats) {
             if (form.info->formats == intersect::Formats::binary32_only && format != std::string("f32")) continue;
-            asked.emplace_back(scene_and_pixel_of(form.shape) + " -i " + std::string(form.info->name), format);
+            questions.emplace_back(scene_and_pixel_of(form.shape) + " -i " + std::string(form.info->name), format);
         }
     }
     // Misses, whose t may be any NaN; the widest formats that round; an answer that is not a number.
     for (const char* more :
          {"near-benign --pixel 0,0 -i sphere.schoolbook", "near-benign --pixel 0,0 -i sphere.pythagoras",
           "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
-        for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) asked.emplace_back(more, format);
+        for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) questions.emplace_back(more, format);
     }
     for (const char* filtered : exact_step_rays)
-        for (const char* format : {"f32", "f64", "p52"}) asked.emplace_back(filtered, format);
+        for (const char* format : {"f32", "f64", "p52"}) questions.emplace_back(filtered, format);
     std::multiset<std::string> refused;
-    for (const auto& [what, format] : asked) {
+    for (const auto& [what, format] : questions) {
         const auto r = run("explain " + what + " -f " + format + " --c");
         INFO(what << " in " << format << ": " << r.err);
         if (r.code == 2) {  // neighbours and fused operations of a format that is not C's
