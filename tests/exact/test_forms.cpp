@@ -105,21 +105,22 @@ std::optional<Real> number_of(const Interval& x) {
     return high - low <= ldexp(abs(high) + 1, -200) ? std::optional(high) : std::nullopt;
 }
 
-/// `size`: the number by which t is divided.
+/// Divides t by `divisor`.
 template <class T>
-UnroundedForm told(const Hit<T>& hit, const T& size) {
+UnroundedForm to_unrounded(const Hit<T>& hit, const T& divisor) {
     if (!is_certain(hit.hit) && !is_certain(!hit.hit)) return {};
-    return {is_certain(hit.hit), number_of(hit.t / size), number_of(hit.near / size), number_of(hit.far / size)};
+    return {is_certain(hit.hit), number_of(hit.t / divisor), number_of(hit.near / divisor),
+            number_of(hit.far / divisor)};
 }
 
 /// `made_unit`: for the normalised direction, in lengths of the stored direction.
 template <class T, class Form>
 UnroundedForm unrounded_in(const Problem& problem, bool made_unit, const Form& form) {
     Ray<T> ray = ray_of<T>(problem);
-    if (!made_unit) return told(form(ray), T(1));
+    if (!made_unit) return to_unrounded(form(ray), T(1));
     const T size = length(ray.direction);
     for (int k = 0; k < 3; ++k) ray.direction[k] = ray.direction[k] / size;
-    return told(form(ray), size);
+    return to_unrounded(form(ray), size);
 }
 
 /// Computes a form without rounding. Enclosures do not decide solvers of degree four, so forms of tori are computed in
