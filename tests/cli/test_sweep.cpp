@@ -127,9 +127,9 @@ TEST_CASE("a length that becomes 0 or infinite in a format is reported on stderr
         "lostbits: scene s: no ray of its camera meets a primitive, so every pixel is a miss; check its eye, look_at "
         "and width or fov\n";
     for (const std::string command : {"map ", "render "}) {
-        const std::string asked = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
-        CHECK(said(asked) == note + (command == "map " ? unseen : ""));
-        CHECK(run(asked + out).err.empty());
+        const std::string whole_command = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
+        CHECK(said(whole_command) == note + (command == "map " ? unseen : ""));
+        CHECK(run(whole_command + out).err.empty());
     }
     CHECK(run("explain " + scene + " --pixel 1,1 -i sphere.press -f fp16").err == note);
 
