@@ -42,12 +42,12 @@ void answer_by_row(const intersect::table::Intersector& row, intersect::Roots ro
     }
     const std::size_t n = batch.size;
     std::vector<S> t(n), near(n), far(n);
-    intersect::table::RayBatch<S> asked{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
-    if (batch.ends != nullptr) asked.tmax = {static_cast<const S*>(batch.ends), n};
+    intersect::table::RayBatch<S> ray_batch{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
+    if (batch.ends != nullptr) ray_batch.tmax = {static_cast<const S*>(batch.ends), n};
     const intersect::table::HitBatch<S> hits{t, near, far, {batch.hit, n}};
     const intersect::Target<S> target{std::span<const Primitive<S>>(primitives)};
-    if constexpr (std::same_as<S, float>) row.native32(asked, target, hits);
-    else row.native64(asked, target, hits);
+    if constexpr (std::same_as<S, float>) row.native32(ray_batch, target, hits);
+    else row.native64(ray_batch, target, hits);
     auto* const out = static_cast<S*>(batch.near_far);
     for (std::size_t i = 0; i < n; ++i) {
         out[2 * i] = roots == intersect::Roots::both ? near[i] : t[i];

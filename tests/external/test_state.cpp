@@ -58,8 +58,8 @@ std::vector<std::string> rows_left(std::size_t command, const std::string& more,
     static_cast<void>(folder.write("tiny.toml", subnormal_sphere()));
     static_cast<void>(folder.write("subnormals.toml", subnormals));
     static_cast<void>(folder.write("rays.csv", rays));
-    const std::string asked = more.empty() ? "" : ",example.*",
-                      forms = " -i 'sphere.double_inside,sphere.half_b" + asked + "'";
+    const std::string more_forms = more.empty() ? "" : ",example.*",
+                      forms = " -i 'sphere.double_inside,sphere.half_b" + more_forms + "'";
     const std::array<std::string, commands> all{
         "map tiny.toml" + forms + " -f f32,f64 --metric lost_bits,residual -o out",
         "judge rays.csv --answer-format f32 --sphere 0,0,0,1" + forms + " -f f32 -o out",
