@@ -36,7 +36,8 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 
 /// The operations that must be wider, without the rewriting that `repair_form` tries too.
 struct Search {
-    explicit Search(const RepairRequest& asked) : request(asked), measurer(asked), tape(record_tape(asked)) {}
+    explicit Search(const RepairRequest& repair_request)
+        : request(repair_request), measurer(repair_request), tape(record_tape(repair_request)) {}
     FormQuality with(const std::vector<NodeId>& wider) {
         return measurer.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
     }
