@@ -216,18 +216,18 @@ TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
         {"a.gltf", as_gltf(ball, data), triangle::read_gltf}};
     for (const auto& [name, bytes, read] : files) {
         INFO(name);
-        std::atomic<bool> asked{false};
-        const intersect::process::StopToken stop(asked);
+        std::atomic<bool> stop_requested{false};
+        const intersect::process::StopToken stop(stop_requested);
         const auto path = folder.write(name, bytes);
         MeshBytes opened(path, stop);
-        asked = true;  // after the file is opened, as when the signal comes on the way
+        stop_requested = true;  // after the file is opened, as when the signal comes on the way
         CHECK_THROWS_AS(read(opened, {.stop = stop}), Interrupted);
         CHECK_THROWS_AS(read_mesh_file(path, {.stop = stop}), Interrupted);
     }
-    std::atomic<bool> asked{true};
+    std::atomic<bool> stop_requested{true};
     Mesh mesh = ball;
     CHECK_THROWS_AS(merge_and_count(
-                        mesh, [](std::size_t) { return std::string(); }, intersect::process::StopToken(asked)),
+                        mesh, [](std::size_t) { return std::string(); }, intersect::process::StopToken(stop_requested)),
                     Interrupted);
 }
 
