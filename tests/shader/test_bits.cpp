@@ -165,8 +165,8 @@ TEST_CASE("shader bits: shaders that depend on the order of operations need prec
 TEST_CASE("shader bits: a march that uses length differs only in the order of its sum", "[shader-device]") {
     const Scratch folder;
     std::string text = contents(examples + "sphere_tracer.glsl");
-    const std::string asked = "length(p - sphere.xyz) - sphere.w";
-    REQUIRE(has(text, asked));
+    const std::string distance_text = "length(p - sphere.xyz) - sphere.w";
+    REQUIRE(has(text, distance_text));
     const std::string square = "(p.@ - sphere.@) * (p.@ - sphere.@)";
     const auto of = [&square](char axis) {
         std::string s = square;
@@ -174,7 +174,7 @@ TEST_CASE("shader bits: a march that uses length differs only in the order of it
             if (c == '@') c = axis;
         return s;
     };
-    text.replace(text.find(asked), asked.size(),
+    text.replace(text.find(distance_text), distance_text.size(),
                  "sqrt(" + of('x') + " + (" + of('y') + " + " + of('z') + ")) - sphere.w");
     const auto out =
         map_of(folder, "sdf-sphere",
