@@ -138,7 +138,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
         if (std::ranges::find(distributions, distribution.name) == distributions.end()) continue;
         Seeded r(0x41);
         for (int n = 0; n < rays; ++n) {
-            const BoxSample s = distribution.make(r, binary32);
+            const BoxSample s = distribution.draw(r, binary32);
             const Primitive<double> triangle = triangle_in(r, s.box);
             if (!counts(s.ray.direction)) continue;
             if (measure::truth::is_valid(triangle) && truly_meets(s.ray, triangle, s.tmax)) {

@@ -27,7 +27,7 @@ TEST_CASE("forms without padding miss true hits of rays aimed at an edge", "[int
     const auto* const at_edge =
         std::ranges::find(test::box_distributions, std::string_view("at edge"), &test::BoxDistribution::name);
     for (int i = 0; i < 60000; ++i) {
-        const BoxSample s = at_edge->make(rng, binary32);
+        const BoxSample s = at_edge->draw(rng, binary32);
         if (ray_in_box(exactly(s.ray, s.box, s.tmax), true).is_empty()) continue;
         ++met;
         for (const auto& form : intersect::table::intersectors(Shape::box)) misses[form.info->name] += !hits(form, s);
