@@ -129,7 +129,7 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
             continue;
         }
         REQUIRE(r.code == 0);
-        if (!test::adds_words(r.out, seen[format]) && !test::is_long()) continue;
+        if (!test::add_words(r.out, seen[format]) && !test::is_long()) continue;
         const std::string source = scratch.write("ray.c", r.out), program = (scratch / "ray").string();
         REQUIRE(std::system(("cc -std=c99 -O2 -o '" + program + "' '" + source + "' -lm").c_str()) == 0);
         CHECK(std::system(("'" + program + "' > '" + (scratch / "said").string() + "'").c_str()) == 0);
@@ -203,7 +203,7 @@ TEST_CASE("explain: FPCore says how to get a neighbour and another precision") {
 TEST_CASE("explain: a C program of many bits is refused where a constant is not a double") {
     const Scratch scratch;
     // radius·radius = 1e-300 < 2^-960
-    const std::string text = replaced(spoilt("radius = 1", "radius = \"1e-150\""), "shared", "own");
+    const std::string text = replace_text(spoil_scene("radius = 1", "radius = \"1e-150\""), "shared", "own");
     const std::string scene = "explain '" + scratch.write("s.toml", text) + "' --pixel 12,8 -i sphere.press --c -f ";
     const auto r = run(scene + "p40");
     CHECK(r.code == 2);

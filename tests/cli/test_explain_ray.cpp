@@ -4,8 +4,8 @@
 #include <map>
 
 #include "catch.hpp"
-#include "explained.hpp"
 #include "program.hpp"
+#include "run_explain.hpp"
 #include "scene_and_pixel.hpp"
 
 namespace test_explain_ray {
@@ -18,7 +18,7 @@ using Json = nlohmann::json;
 
 /// Runs `lostbits explain` with these arguments, and returns what it writes as JSON.
 Json explain_as_json(const std::string& arguments, const fs::path& folder = ".") {
-    return explained("lostbits explain " + arguments, folder);
+    return run_explain("lostbits explain " + arguments, folder);
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ TEST_CASE("explain: a ray is taken as given, with input error where the format c
     CHECK(hex_in(as["truth"]) == "0x1.0052203695b95p+2");
     CHECK(as["truth"] == wide["truth"]);
     // A scene with numbers of its own has an ideal ray, which every format rounds once from the decimal.
-    folder.write("own.toml", spoilt("shared", "own"));
+    folder.write("own.toml", spoil_scene("shared", "own"));
     const std::string ideal = "own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook ";
     const Json in_own = explain_as_json(ideal + "-f f64", folder.path());
     CHECK(in_own["inputs_rounded"] == true);
@@ -183,8 +183,8 @@ TEST_CASE("explain --worst of a sweep reports the ray, its step and the number o
 TEST_CASE("a claim about all wrong decisions names the first one, as explain --worst does") {
     const Scratch scratch;
     const std::string form = tested("sphere.press"), none = metric_in("wrong_fraction", "[0, 0]");
-    scratch.write("c.toml", claims_of({{"scene", "scene = \"grazing\"\n" + form, none},
-                                       {"sweep", "sweep = \"sphere-distance\"\nat = 4096\n" + form, none}}));
+    scratch.write("c.toml", make_claim_file({{"scene", "scene = \"grazing\"\n" + form, none},
+                                             {"sweep", "sweep = \"sphere-distance\"\nat = 4096\n" + form, none}}));
     const auto r = run("check c.toml --junit j.xml", scratch.path());
     REQUIRE(r.code == 1);
     const auto worst = run("explain grazing --worst -i sphere.press -f f32").out;

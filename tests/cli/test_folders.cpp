@@ -202,8 +202,8 @@ TEST_CASE("a folder shared by a report and checked claims keeps both, and its li
 
 TEST_CASE("an interrupted report leaves no folder") {
     const Scratch scratch;
-    const auto r = run("report near-benign --size 700x700 -j 1 -o page/inner" + ended_after(1.5, "TERM"),
-                       scratch.path(), "set -m; ");
+    const auto r = run("report near-benign --size 700x700 -j 1 -o page/inner" + end_after(1.5, "TERM"), scratch.path(),
+                       "set -m; ");
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());
     CHECK_FALSE(fs::exists(scratch / "page"));

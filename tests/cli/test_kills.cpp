@@ -10,7 +10,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "program.hpp"
-#include "started.hpp"
+#include "started_program.hpp"
 
 namespace test_kills {
 
