@@ -16,7 +16,7 @@ namespace {
 
 const std::string own = plugin("own_forms");
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
+std::string replace_text(std::string text, const std::string& what, const std::string& by) {
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
         text.replace(at, what.size(), by);
     return text;
@@ -96,7 +96,7 @@ TEST_CASE("formulas: a form is explained in any format, with the same text", "[e
     for (const std::string how : {" -f f32", " -f fp16", " -f f32 --json", " -f f32 --fpcore", " -f f64 --c"}) {
         const std::string ours = explain("sphere.unified", how);
         CHECK(ours.size() > 200);
-        CHECK(replaced(explain("own.unified", how), "own.unified", "sphere.unified").size() > 200);
+        CHECK(replace_text(explain("own.unified", how), "own.unified", "sphere.unified").size() > 200);
     }
     CHECK(has(explain("own.unified", " -f f32"), "disc"));
 }

@@ -25,7 +25,8 @@ const std::string tiny =
 
 /// The same for a radius that is a subnormal number: the sphere vanishes if such numbers become zeros.
 std::string subnormal_sphere() {
-    return replaced(replaced(replaced(tiny, "0x1p-70", "0x1p-140"), "0x1p-68", "0x1p-138"), "0x1.4p-69", "0x1.4p-139");
+    return replace_text(replace_text(replace_text(tiny, "0x1p-70", "0x1p-140"), "0x1p-68", "0x1p-138"), "0x1.4p-69",
+                        "0x1.4p-139");
 }
 
 /// Every float of a range of subnormal numbers.

@@ -40,7 +40,7 @@ TEST_CASE("words: plugin check names the missing property and accepts a form wit
     const Scratch folder;
     const Outcome o = run("plugin check " + worded, folder.path());
     CHECK(o.code == 3);  // the last form ends it
-    const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
+    const auto finding = [&o](const std::string& form) { return find_output_of(o, form); };
     for (const std::string form :
          {"clipped",     "clipped_ahead", "zero",          "misses",        "exit_at_origin",
           "near",        "signed_near",   "near_line",     "insists",       "box_exit",
@@ -212,7 +212,7 @@ TEST_CASE("words: contradictory properties are refused, and older libraries keep
                            {"inside=out", "it must be one of usual, exit, zero, near, miss"}});
     for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
                                     "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
-        CHECK(listed_by_pipe(words).code == 0);
+        CHECK(list_by_pipe(words).code == 0);
 }
 
 TEST_CASE("words: a form that takes the range of a ray is tested on it, in this process, through a pipe and on boxes") {
