@@ -96,7 +96,7 @@ void hold_transformed(const ShapeTest& shape) {
 }  // namespace
 
 TEST_CASE("exact: every shape is tested here", "[exact]") {
-    const auto there = shapes_there_are();
+    const auto there = all_shapes();
     REQUIRE(there.size() == shapes.size());
     for (const auto& [name, numbers] : there) {
         INFO(name);
