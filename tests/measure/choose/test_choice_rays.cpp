@@ -35,7 +35,7 @@ Columns columns_of(const scene::rays::RayBlock& rays, std::size_t from, std::siz
 }
 
 std::string written(const lostbits::test::Scratch& folder, const std::string& name, const Columns& columns) {
-    return folder.write(name + ".csv", scene::test::as_csv(columns, [](double x) { return output::file::decimal(x); }));
+    return folder.write(name + ".csv", scene::test::to_csv(columns, [](double x) { return output::file::decimal(x); }));
 }
 
 std::unique_ptr<scene::ray_file::RayFile> opened(const std::string& path, bool primitives) {
