@@ -137,7 +137,7 @@ void add_rays_from_other(Random& random, const SphereDistribution& settings, Ray
     }
 }
 
-RayGroup view_rays(Random& random, const SphereDistribution& settings) {
+RayGroup draw_rays_of_view(Random& random, const SphereDistribution& settings) {
     const View view = draw_view(random, settings);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
     const Vec<double> shift = offset_of(settings);
@@ -210,7 +210,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     return settings;
 }
 
-std::vector<RayGroup> SphereDistribution::draw() const { return rays::draw_views(*this, view_rays); }
+std::vector<RayGroup> SphereDistribution::draw() const { return rays::draw_views(*this, draw_rays_of_view); }
 
 std::span<const rays::RaySet> SphereDistribution::ray_sets() {
     static constexpr rays::RaySet all[] = {
