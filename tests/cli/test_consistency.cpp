@@ -64,7 +64,7 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     }
 }
 
-TEST_CASE("consistency: the two rays of a disagreement disagree when pasted") {
+TEST_CASE("consistency: two rays that disagree still disagree when pasted") {
     const Scratch scratch;
     const auto pasted = [&scratch](const std::string& words, const std::string& scene) {
         must("consistency " + scene + " --size 32x24 " + words + " -q -o .", scratch.path());

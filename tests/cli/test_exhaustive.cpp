@@ -21,7 +21,7 @@ std::string spoil(const std::string& what, const std::string& by) { return repla
 
 }  // namespace
 
-TEST_CASE("a sweep over every float between two gives exact onsets and the worst of each binade") {
+TEST_CASE("a sweep over every float between two bounds gives exact onsets and the worst of each binade") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small);
     const auto r = must("sweep '" + file + "' -v -i sphere.schoolbook -i sphere.hearn_baker" + into(scratch, ""));

@@ -118,7 +118,7 @@ TEST_CASE("internal commands are not listed") {
         CHECK_FALSE(has(must("completion " + std::string(shell)).out, "probe"));
 }
 
-TEST_CASE("old names of options are read, with one line that gives the new name") {
+TEST_CASE("old names of options are accepted, with one line that gives the new name") {
     const Scratch scratch;
     scratch.write("a.csv", "x,y\n1,2\n");
     scratch.write("b.csv", "x,y\n1,2.5\n");
