@@ -242,7 +242,7 @@ TEMPLATE_TEST_CASE("exact: filters decide right where two values are exactly equ
     hold<TestType>(true);
 }
 
-TEMPLATE_TEST_CASE("exact: the filter of tori decides right if touched in one point, without a hole and at any size",
+TEMPLATE_TEST_CASE("exact: the filter of tori decides right at tangent points, for tori without a hole and at any size",
                    "[exact][filtered]", float, double) {
     const Intersector& form = *std::ranges::find(intersect::table::catalogue(), "torus.filtered",
                                                  [](const Intersector& row) { return row.info->name; });
