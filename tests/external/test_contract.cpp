@@ -174,7 +174,8 @@ Solves with_radius(const Change& change) {
 
 }  // namespace
 
-TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not one in the direction", "[external]") {
+TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not blamed on the direction",
+          "[external]") {
     const std::set<std::string> t{"t"};
     const auto broken_sphere = [](const Solves& solves) { return broken_of(make_form(Shape::sphere, solves)); };
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return 3 * x; }))) == t);
