@@ -162,7 +162,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
 
 }  // namespace
 
-TEST_CASE("rays at box edges of triangles are lost without padding and with 4u, never with 6u", "[hull]") {
+TEST_CASE("rays at edges of triangles' boxes are lost without padding and with 4u, never with 6u", "[hull]") {
     const std::vector<const char*> boxes{"box.signs",         "box.max_mult",      "box.bvh_robust", "box.tinybvh",
                                          "box.embree_robust", "box.embree_padded", "box.pbrt_padded"};
     const Culls found =

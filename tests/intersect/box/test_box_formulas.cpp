@@ -44,7 +44,7 @@ TEST_CASE("forms without padding miss true hits of rays aimed at an edge", "[int
     CHECK(misses.at("box.exclusive") == misses.at("box.baseline"));  // no NaN on these rays
 }
 
-TEST_CASE("a padding of two last places is not quite enough for box.max_mult", "[intersect][box][formula]") {
+TEST_CASE("a padding of two ulps is not quite enough for box.max_mult", "[intersect][box][formula]") {
     // Three roundings on either side can separate near and far by 6u = 1.5·2^-22. Among 5·10^7 random rays across an
     // edge this was the only one found; pbrt_padded's 1 + 2γ(3) and embree_robust's 3ε on both sides missed none.
     const Ray<double> ray{{-0x1.9b6154p-1, -0x1.0cca1ep+1, 0}, {0x1.d53502p+0, 0x1.c9cd8ap+2, 0}};

@@ -63,7 +63,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("the side from which a ray meets a triangle agrees with fractions", "[truth][triangle]") {
+TEST_CASE("the side from which a ray meets a triangle agrees with rational arithmetic", "[truth][triangle]") {
     std::map<std::string, std::array<int, 2>> met;
     for_each_triangle(
         static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& sample) {
