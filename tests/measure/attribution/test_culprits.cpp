@@ -73,7 +73,7 @@ TEST_CASE("cancellation and contributions of labels are parts of the totals", "[
     CHECK(cancelled > 200);
 }
 
-TEST_CASE("a range limit changed by rounding has a culprit among the operations, and choosing a root is one",
+TEST_CASE("a range limit changed by rounding has a culprit among the operations, as has the choice of a root",
           "[culprits]") {
     // t is 1.4e-4 in binary32 and 6.6e-5 without rounding, and the ray begins at 1e-4.
     const Intersector& form = form_named("sphere.unified");

@@ -118,7 +118,7 @@ TEST_CASE("the format in which a form computes is read from its operations") {
     }
 }
 
-TEST_CASE("a scene stretched by 1 is unchanged, and by more shows the same picture from farther away") {
+TEST_CASE("stretching a scene by 1 changes nothing, and by more shows the same picture from farther away") {
     const Scene scene = scene_named("near-benign");
     for (const Growth growth : growths) {
         const auto same = stretch(scene, growth, 1);

@@ -150,7 +150,7 @@ TEST_CASE("files of different kinds are not read together") {
     CHECK_THROWS_AS(scene::ray_file::join_ray_files(std::move(files)), InputError);
 }
 
-TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points from farther away") {
+TEST_CASE("stretching rays by 1 changes nothing, and by more meets the same points from farther away") {
     const Scene scene = scene_of_choice("near-benign", {16, 12});
     const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12),
                                       scene::rays::make_shared_primitives(scene)};

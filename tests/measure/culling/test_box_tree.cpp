@@ -110,7 +110,7 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
     CHECK(candidate_count < pairs / 2);  // and it spares most of the others
 }
 
-TEST_CASE("candidates of more rays than walk down a tree together are those of each", "[culling]") {
+TEST_CASE("rays that walk down a tree in several groups have the candidates of each ray alone", "[culling]") {
     RandomPoints draw(11);
     std::vector<Ray<double>> rays;
     for (int i = 0; i < 700; ++i) rays.push_back({draw.point(8), draw.point(1)});

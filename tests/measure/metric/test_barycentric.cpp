@@ -63,7 +63,7 @@ struct AnsweredHit {
 
 }  // namespace
 
-TEST_CASE("the error of barycentric weights agrees with fractions for every form", "[metric][triangle]") {
+TEST_CASE("the error of barycentric weights agrees with rational arithmetic for every form", "[metric][triangle]") {
     const Format format = *find_format("f32");
     std::map<std::string_view, int> sample_counts, wrong, exact;
     for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution& distribution,

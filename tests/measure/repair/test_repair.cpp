@@ -127,7 +127,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
     }
 }
 
-TEST_CASE("a form that meets the requirement has an empty set, one that double does not help has no set", "[mend]") {
+TEST_CASE("a form that meets the requirement has an empty set, and one that double does not help has none", "[mend]") {
     const Scene scene = scene_named("near-benign", 32);
     const RepairRequest easy = request_of(scene, "sphere.half_b", 5);
     const RepairResult enough = repair_form(easy);

@@ -82,7 +82,8 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
 
 }  // namespace
 
-TEST_CASE("every float of a sweep through a mesh vertex is counted as its triangles count it", "[exhaustive][mesh]") {
+TEST_CASE("every float of a sweep through a mesh vertex is counted as by its triangles one by one",
+          "[exhaustive][mesh]") {
     const Scratch folder;
     const ExhaustiveFile file(
         folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -7.992431640625\nto = -7.991943359375",
