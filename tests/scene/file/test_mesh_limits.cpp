@@ -200,7 +200,7 @@ TEST_CASE("a glTF file opens files in its own folder only", "[mesh]") {
     CHECK(has(error_with("pipe.png"), "is a pipe or a device"));
 }
 
-TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
+TEST_CASE("every mesh reader stops on request", "[mesh]") {
     using scene::triangle::MeshBytes;
     const Scratch folder;
     const Mesh ball = scene::triangle::make_icosphere(5, {0, 0, 0}, 1);

@@ -229,7 +229,7 @@ TEST_CASE("targets of rays lie on the surface, and lines at silhouettes touch it
     CHECK(seen.size() == 15);
 }
 
-TEST_CASE("ray distributions of shapes with several targets read the target that is asked for") {
+TEST_CASE("ray distributions of shapes with several targets read the requested target") {
     const scene::test::Scratch folder;
     const auto drawn = [&folder](const scene::sweep::DistributionRow& row, std::string_view aim) {
         const auto path = folder.write("f.toml", "views = 3\naim = \"" + std::string(aim) + "\"\n");

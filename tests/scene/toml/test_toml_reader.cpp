@@ -80,7 +80,7 @@ TEST_CASE("many numbers in one line are read in time proportional to their bytes
     CHECK(mixed.find("a")->find("b\u00e9")->text == "0.25");
 }
 
-TEST_CASE("reading from a silent pipe stops when it is asked to") {
+TEST_CASE("reading from a silent pipe stops on request") {
     const Scratch folder;
     const auto path = (folder / "p.toml").string();
     REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
