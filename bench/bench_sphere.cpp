@@ -64,22 +64,22 @@ const RaySet& far_rays() {
     return set;
 }
 
-void count_rays(benchmark::State& state) {
+void set_ray_count(benchmark::State& state) {
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(ray_count));
 }
 
-void truth(benchmark::State& state, const RaySet& (*rays)()) {
-    const RaySet& set = rays();
+void measure_truth(benchmark::State& state, const RaySet& (*get_rays)()) {
+    const RaySet& set = get_rays();
     for (auto _ : state) {
         for (std::size_t i = 0; i < ray_count; ++i)
             benchmark::DoNotOptimize(measure::truth::find_truth(set[i], set.sphere));
     }
-    count_rays(state);
+    set_ray_count(state);
 }
 
 /// A reference by plain high precision: the half-b quadratic in 256 bits, without a certificate.
-void plain_mpfr(benchmark::State& state, const RaySet& (*rays)()) {
-    const RaySet& set = rays();
+void measure_plain_mpfr(benchmark::State& state, const RaySet& (*get_rays)()) {
+    const RaySet& set = get_rays();
     const auto vec = [](const Vec<double>& v) { return Vec<Real>(Real(v.x), Real(v.y), Real(v.z)); };
     const Sphere<Real> sphere{vec(set.sphere.centre), Real(set.sphere.radius)};
     for (auto _ : state) {
@@ -97,11 +97,11 @@ void plain_mpfr(benchmark::State& state, const RaySet& (*rays)()) {
             benchmark::DoNotOptimize(t);
         }
     }
-    count_rays(state);
+    set_ray_count(state);
 }
 
 template <class S, class Kernel>
-void form(benchmark::State& state, const Kernel& kernel) {
+void measure_form(benchmark::State& state, const Kernel& kernel) {
     const RaySet& set = near_rays();
     const auto stored = [](const std::vector<double>& x) { return std::vector<S>(x.begin(), x.end()); };
     const auto ox = stored(set.ox), oy = stored(set.oy), oz = stored(set.oz), dx = stored(set.dx), dy = stored(set.dy),
@@ -117,47 +117,48 @@ void form(benchmark::State& state, const Kernel& kernel) {
                intersect::table::HitBatch<S>{t, near, far, hit});
         benchmark::ClobberMemory();
     }
-    count_rays(state);
+    set_ray_count(state);
 }
 
-void self(benchmark::State& state, const intersect::table::Intersector& i) {
+void measure_without_rounding(benchmark::State& state, const intersect::table::Intersector& i) {
     const RaySet& set = near_rays();
     const Primitive<double> sphere(set.sphere);
     for (auto _ : state) {
         for (std::size_t r = 0; r < ray_count; ++r)
             benchmark::DoNotOptimize(measure::answer::evaluate_exactly(i, set[r], sphere));
     }
-    count_rays(state);
+    set_ray_count(state);
 }
 
 void register_all() {
-    benchmark::RegisterBenchmark("truth/near", truth, near_rays);
-    benchmark::RegisterBenchmark("mpfr_256/near", plain_mpfr, near_rays);
-    benchmark::RegisterBenchmark("truth/far", truth, far_rays);
-    benchmark::RegisterBenchmark("mpfr_256/far", plain_mpfr, far_rays);
+    benchmark::RegisterBenchmark("truth/near", measure_truth, near_rays);
+    benchmark::RegisterBenchmark("mpfr_256/near", measure_plain_mpfr, near_rays);
+    benchmark::RegisterBenchmark("truth/far", measure_truth, far_rays);
+    benchmark::RegisterBenchmark("mpfr_256/far", measure_plain_mpfr, far_rays);
     for (const intersect::table::Intersector& i : intersect::table::intersectors(Shape::sphere)) {
         const std::string name(i.info->name);
         benchmark::RegisterBenchmark((name + "/f32").c_str(),
-                                     [&i](benchmark::State& s) { form<float>(s, i.native32); });
+                                     [&i](benchmark::State& s) { measure_form<float>(s, i.native32); });
         if (i.native64)
             benchmark::RegisterBenchmark((name + "/f64").c_str(),
-                                         [&i](benchmark::State& s) { form<double>(s, i.native64); });
+                                         [&i](benchmark::State& s) { measure_form<double>(s, i.native64); });
         if (i.rounded) {
             benchmark::RegisterBenchmark((name + "/bf16").c_str(), [&i](benchmark::State& s) {
-                form<double>(s, [&i](const auto&... a) { i.rounded(bfloat16, a...); });
+                measure_form<double>(s, [&i](const auto&... a) { i.rounded(bfloat16, a...); });
             });
         }
-        benchmark::RegisterBenchmark((name + "/without_rounding").c_str(), [&i](benchmark::State& s) { self(s, i); });
+        benchmark::RegisterBenchmark((name + "/without_rounding").c_str(),
+                                     [&i](benchmark::State& s) { measure_without_rounding(s, i); });
     }
     for (const intersect::simd::Isa isa : intersect::simd::available_isas())
         for (const intersect::simd::PackedFormKernels& row :
              intersect::simd::all_packed_kernels(isa).first(intersect::table::intersectors(Shape::sphere).size())) {
             const std::string name = "packed_" + std::string(name_of(isa)) + "/" + std::string(row.info->name);
             benchmark::RegisterBenchmark((name + "/f32").c_str(),
-                                         [&row](benchmark::State& s) { form<float>(s, row.f32); });
+                                         [&row](benchmark::State& s) { measure_form<float>(s, row.f32); });
             if (row.f64)
                 benchmark::RegisterBenchmark((name + "/f64").c_str(),
-                                             [&row](benchmark::State& s) { form<double>(s, row.f64); });
+                                             [&row](benchmark::State& s) { measure_form<double>(s, row.f64); });
         }
 }
 
@@ -166,7 +167,7 @@ void print_all() {
     bench::print_truth_of_shapes();
     bench::print_chains();
     bench::print_rays(Shape::sphere, {"sphere.schoolbook", "sphere.unified"});
-    bench::print_bytes_a_sphere();
+    bench::print_bytes_per_sphere();
     bench::print_filtered();
 }
 

@@ -12,8 +12,8 @@ Kernel::Point_3 point(const Point& p) { return {p[0], p[1], p[2]}; }
 
 }  // namespace
 
-void by_orientations(const std::vector<RayOfPoints>& rays, const std::array<Point, 3>& triangle,
-                     std::vector<unsigned char>& hit) {
+void decide_by_orientations(const std::vector<RayOfPoints>& rays, const std::array<Point, 3>& triangle,
+                            std::vector<unsigned char>& hit) {
     const auto a = point(triangle[0]), b = point(triangle[1]), c = point(triangle[2]);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const auto from = point(rays[i].from), through = point(rays[i].through);
@@ -27,8 +27,8 @@ void by_orientations(const std::vector<RayOfPoints>& rays, const std::array<Poin
     }
 }
 
-void by_do_intersect(const std::vector<RayOfPoints>& rays, const std::array<Point, 3>& triangle,
-                     std::vector<unsigned char>& hit) {
+void decide_by_do_intersect(const std::vector<RayOfPoints>& rays, const std::array<Point, 3>& triangle,
+                            std::vector<unsigned char>& hit) {
     const Kernel::Triangle_3 primitive(point(triangle[0]), point(triangle[1]), point(triangle[2]));
     for (std::size_t i = 0; i < rays.size(); ++i)
         hit[i] = CGAL::do_intersect(Kernel::Ray_3(point(rays[i].from), point(rays[i].through)), primitive);

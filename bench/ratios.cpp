@@ -14,7 +14,7 @@ using namespace lostbits;
 
 /// A loop that only reads: it sums 64-bit words of eight columns side by side, faster than memory delivers them. A
 /// kernel has as many streams; one stream alone gets a third less.
-Contestant reader(std::size_t bytes) {
+Contestant make_read_loop(std::size_t bytes) {
     constexpr std::size_t streams = 8, stagger = 40;  // 5 cache lines
     const std::size_t length = bytes / 64;
     const auto words = std::make_shared<std::vector<std::uint64_t>>(streams * (length + stagger), 1);
@@ -35,11 +35,11 @@ Contestant reader(std::size_t bytes) {
 
 void print_ratios(const std::string& data, std::vector<Contestant> all, std::size_t bytes) {
     const bool memory = !measure::trade::fits_in_cache(bytes);
-    if (memory) all.push_back(reader(bytes));
+    if (memory) all.push_back(make_read_loop(bytes));
     std::vector<measure::trade::TimedWork> work;
     for (const Contestant& c : all) work.push_back(c.work);
     const auto samples = measure::trade::sample_interleaved(work, {.repetitions = memory ? 9 : 201});
-    const auto named = [&](const std::string& name) {
+    const auto find_contestant = [&](const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(all, name, &Contestant::name) - all.begin());
     };
     std::printf("%-42s %-7s %9s  %s\n", "kernel", "data", "10^9/s",
@@ -47,7 +47,7 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
     for (std::size_t k = 0; k < all.size(); ++k) {
         const double rate = 1e-9 / measure::trade::summarise_samples(samples[k]).median;
         std::printf("%-42s %-7s %9.3f", all[k].name.c_str(), data.c_str(), rate);
-        if (const std::size_t rival = named(all[k].rival); rival < all.size()) {
+        if (const std::size_t rival = find_contestant(all[k].rival); rival < all.size()) {
             const measure::trade::Timing ratio = measure::trade::summarise_ratios(samples[rival], samples[k]);
             std::printf("  %.3f (%.2f-%.2f)", ratio.median, ratio.low_quartile, ratio.high_quartile);
         } else if (memory) {
@@ -62,7 +62,7 @@ void print_ratios(const std::string& data, std::vector<Contestant> all, std::siz
     std::printf("\n");
 }
 
-void print_speedup(const std::string& name, const std::string& data, const measure::trade::WorkOfThread& work) {
+void print_speedup(const std::string& name, const std::string& data, const measure::trade::ThreadWorkFactory& work) {
     const measure::trade::Timing speedup =
         measure::trade::summarise_samples(measure::trade::measure_thread_speedups(work, {}));
     std::printf("%-42s %-7s %zu processors over one: %.2f (%.2f-%.2f)\n", name.c_str(), data.c_str(),

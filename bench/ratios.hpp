@@ -30,7 +30,7 @@ void print_rays(lostbits::Shape shape, const std::vector<std::string>& forms);
 
 /// Prints a line: the ratio of the rate of all processors to that of one.
 void print_speedup(const std::string& name, const std::string& data,
-                   const lostbits::measure::trade::WorkOfThread& work);
+                   const lostbits::measure::trade::ThreadWorkFactory& work);
 
 /// Prints tables of the truth of a ray: nanoseconds in packs, their ratios to Arb and `Ball`, and the number of rays
 /// that each stage settles.
@@ -47,6 +47,6 @@ void print_chains();
 void print_filtered();
 
 /// Prints a table of the memory per sphere that a map of a flake of 5.4 million spheres takes, from near and from far.
-void print_bytes_a_sphere();
+void print_bytes_per_sphere();
 
 }  // namespace bench

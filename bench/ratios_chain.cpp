@@ -29,7 +29,7 @@ double seconds_of(const std::function<void()>& work) {
 }
 
 /// A picture of 256 × 128 rays that one sphere fills, as in a band of a map.
-scene::rays::RayGroup picture_of_rays() {
+scene::rays::RayGroup draw_picture_rays() {
     scene::rays::RayGroup group;
     group.rays.width = 256;
     group.rays.y1 = 128;
@@ -47,7 +47,7 @@ void print_rows() {
     std::vector<const measure::metric::Metric*> metrics;
     for (const char* name : {"lost_bits", "ulp_error", "relative_error", "residual"})
         metrics.push_back(measure::metric::find_metric(name));
-    const scene::rays::RayGroup group = picture_of_rays();
+    const scene::rays::RayGroup group = draw_picture_rays();
     const auto rays = static_cast<double>(group.rays.size());
     for (const char* format : {"f32", "f64"}) {
         for (const char* form : {"sphere.schoolbook", "sphere.unified"}) {
@@ -73,7 +73,7 @@ void print_tapes() {
     const Format format = *find_format("f32");
     const Tape plain = measure::tape::record_tape(form, format);
     const auto all = measure::tape::find_widenable_operations(plain);
-    const measure::truth::Band band(picture_of_rays());
+    const measure::truth::Band band(draw_picture_rays());
     const auto inputs = band.inputs(format, {});
     std::printf("\n%-28s %18s\n", "tape of sphere.schoolbook", "million operations/s");
     for (const auto& [name, tape] :

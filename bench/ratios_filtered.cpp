@@ -44,7 +44,7 @@ RayPool view_of(SphereDistribution hits) {
     return {met.primitives.front(), unit_rays(met), point ? unit_rays(met) : unit_rays(misses.draw().front())};
 }
 
-std::vector<Rays> sphere_rays() {
+std::vector<Rays> draw_sphere_rays() {
     return {
         {"easy", measure::trade::make_ray_pool(Shape::sphere), 0.5},
         {"far-small", view_of({.distance = 4096, .impact_to = 0.9}), 0.5},
@@ -55,7 +55,7 @@ std::vector<Rays> sphere_rays() {
         {"grazing", view_of({.distance = 4, .silhouette_gap = 0x1p-10}), 1}};
 }
 
-std::vector<Rays> box_rays() {
+std::vector<Rays> draw_box_rays() {
     using Aim = scene::box::BoxDistribution::Aim;
     const auto view = [](const scene::box::BoxDistribution& distribution) {
         const auto group = scene::rays::with_single_view(distribution).draw().front();
@@ -127,11 +127,11 @@ void print_filtered() {
     std::printf("nanoseconds per ray, and in parentheses the time of the filtered form over that of the other form\n");
     for (const Isa isa : intersect::simd::available_isas()) {
         if (isa == Isa::scalar) continue;
-        for (const Rays& rays : sphere_rays()) {
+        for (const Rays& rays : draw_sphere_rays()) {
             print_forms<float>(rays, isa, {"sphere.filtered", "sphere.schoolbook", "sphere.double_inside"});
             print_forms<double>(rays, isa, {"sphere.filtered", "sphere.schoolbook"});
         }
-        for (const Rays& rays : box_rays()) {
+        for (const Rays& rays : draw_box_rays()) {
             print_forms<float>(rays, isa, {"box.filtered", "box.signs", "box.inclusive"});
             print_forms<double>(rays, isa, {"box.filtered", "box.signs", "box.inclusive"});
         }

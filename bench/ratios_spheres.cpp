@@ -57,7 +57,7 @@ void print_map_of(const scene::file::Scene& scene, const char* view, const char*
 
 }  // namespace
 
-void print_bytes_a_sphere() {
+void print_bytes_per_sphere() {
     std::printf("%-28s %-6s %-5s %10s %9s %8s\n", "map of 64x64", "format", "view", "spheres", "bytes", "s");
     for (const char* format : {"f32", "f64"}) {
         print_map_of(flake_scene(7, 1, "60"), "near", "sphere.schoolbook", format);

@@ -56,19 +56,19 @@ const char* packs(const lb_batch* b) {
     const auto *ray = static_cast<const float*>(b->rays), *ends = static_cast<const float*>(b->ends);
     for (std::size_t i = 0, n = 0; i < b->size; i += n) {
         n = b->primitive_stride == 0 ? std::min<std::size_t>(8, b->size - i) : 1;
-        alignas(32) int asked[8] = {};
+        alignas(32) int valid_lanes[8] = {};
         RTCRayHit8 all{};
         for (std::size_t k = 0; k < n; ++k, ray += 6) {
-            asked[k] = valid(ray) ? -1 : 0, all.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID, all.ray.mask[k] = ~0U;
+            valid_lanes[k] = valid(ray) ? -1 : 0, all.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID, all.ray.mask[k] = ~0U;
             all.ray.org_x[k] = ray[0], all.ray.org_y[k] = ray[1], all.ray.org_z[k] = ray[2];
             all.ray.dir_x[k] = ray[3], all.ray.dir_y[k] = ray[4], all.ray.dir_z[k] = ray[5];
             all.ray.tfar[k] = ends ? ends[i + k] : INFINITY;
         }
         RTCIntersectContext context = fresh();
-        rtcIntersect8(asked, scene_of<flags>(static_cast<const float*>(b->primitives) + i * b->primitive_stride),
+        rtcIntersect8(valid_lanes, scene_of<flags>(static_cast<const float*>(b->primitives) + i * b->primitive_stride),
                       &context, &all);
         for (std::size_t k = 0; k < n; ++k) {
-            b->hit[i + k] = asked[k] != 0 && all.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
+            b->hit[i + k] = valid_lanes[k] != 0 && all.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
             static_cast<float*>(b->near_far)[2 * (i + k)] = all.ray.tfar[k];
         }
     }

@@ -7,8 +7,8 @@ namespace lostbits::test {
 
 /// True if every case is tried: `./run test --long`.
 inline bool is_long() {
-    static const bool asked = std::getenv("LOSTBITS_LONG") != nullptr;
-    return asked;
+    static const bool is_set = std::getenv("LOSTBITS_LONG") != nullptr;
+    return is_set;
 }
 
 /// Number of draws to make of `all`: all in the long tests, otherwise one in `part`.

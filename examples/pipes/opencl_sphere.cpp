@@ -25,7 +25,7 @@ cl_device_id first_device() {
     batches::refuse("missing", "no OpenCL device was found; install pocl-opencl-icd to use the processor");
 }
 
-std::string told(cl_device_id device, cl_device_info what) {
+std::string query_device(cl_device_id device, cl_device_info what) {
     char text[256] = "";
     clGetDeviceInfo(device, what, sizeof text - 1, text, nullptr);
     return text;
@@ -58,8 +58,8 @@ public:
         kernel_ = clCreateKernel(program, "intersect", &status);
         if (status != CL_SUCCESS) batches::refuse("error", file + ": has no kernel `intersect`");
         // `source_` names the device and the driver, since results depend on them.
-        source_ = file + " [" + options + "] on " + told(device, CL_DEVICE_NAME) + ", " +
-                  told(device, CL_DEVICE_VERSION) + ", driver " + told(device, CL_DRIVER_VERSION);
+        source_ = file + " [" + options + "] on " + query_device(device, CL_DEVICE_NAME) + ", " +
+                  query_device(device, CL_DEVICE_VERSION) + ", driver " + query_device(device, CL_DRIVER_VERSION);
     }
 
     const std::string& source() const { return source_; }

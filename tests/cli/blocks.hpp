@@ -8,7 +8,7 @@
 
 namespace lostbits::test {
 
-inline std::vector<std::string> lines_of(const std::string& text) {
+inline std::vector<std::string> split_lines(const std::string& text) {
     std::vector<std::string> lines;
     std::istringstream in(text);
     for (std::string line; std::getline(in, line);) lines.push_back(line);
@@ -28,10 +28,10 @@ struct Block {
     }
 };
 
-inline std::vector<Block> blocks_in(const std::string& text) {
+inline std::vector<Block> find_blocks(const std::string& text) {
     std::vector<Block> blocks;
     bool inside = false;
-    const auto lines = lines_of(text);
+    const auto lines = split_lines(text);
     for (std::size_t i = 0; i < lines.size(); ++i) {
         if (lines[i].starts_with("```")) {
             if (!inside) blocks.push_back({lines[i].substr(3), {}, i + 2});

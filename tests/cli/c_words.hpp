@@ -10,7 +10,7 @@
 namespace lostbits::test {
 
 /// The functions that main calls, and its operators.
-inline std::set<std::string> words_of_main(const std::string& source) {
+inline std::set<std::string> find_words_of_main(const std::string& source) {
     std::set<std::string> words;
     std::string name;
     for (std::size_t i = source.find("int main"); i < source.size(); ++i) {
@@ -26,9 +26,9 @@ inline std::set<std::string> words_of_main(const std::string& source) {
 }
 
 /// Counts the words of a program: returns true if the program has a word that fewer than two programs before it had.
-inline bool adds_words(const std::string& source, std::map<std::string, int>& seen) {
+inline bool add_words(const std::string& source, std::map<std::string, int>& seen) {
     bool adds = false;
-    for (const std::string& word : words_of_main(source)) adds |= seen[word]++ < 2;
+    for (const std::string& word : find_words_of_main(source)) adds |= seen[word]++ < 2;
     return adds;
 }
 

@@ -27,7 +27,7 @@ Outcome run(const std::string& arguments, const fs::path& folder, const std::str
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out), contents(err)};
 }
 
-std::string ended_after(double seconds, const std::string& signal) {
+std::string end_after(double seconds, const std::string& signal) {
     const long ticks = std::lround(seconds * static_cast<double>(sysconf(_SC_CLK_TCK)));
     // Behind the name in brackets the fields begin with the state; the 12th and 13th are the ticks.
     return " & child=$!; while read -r stat </proc/$child/stat && set -- ${stat##*) } && [ $1 != Z ] && [ $((${12} + "
@@ -112,7 +112,7 @@ std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
     return rows;
 }
 
-std::string claims_of(const std::vector<ClaimText>& claims, const std::string& head) {
+std::string make_claim_file(const std::vector<ClaimText>& claims, const std::string& head) {
     std::string text = "schema = \"lostbits-claims/1\"\n" + head;
     for (const ClaimText& c : claims)
         text += "[[claim]]\nid = \"" + c.id + "\"\nstatement = \"A sentence\"\nsource = \"" + c.source +
@@ -124,7 +124,7 @@ std::string claims_of(const std::vector<ClaimText>& claims, const std::string& h
 void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>& rows, const std::string& head,
                           const std::string& options) {
     for (const RefusedClaim& row : rows) {
-        const std::string text = claims_of({{"c", row.given, row.expect, row.more, row.verdict}}, head);
+        const std::string text = make_claim_file({{"c", row.given, row.expect, row.more, row.verdict}}, head);
         const auto r = run("check '" + folder.write("c.toml", text) + "'" + options, folder.path());
         INFO(text << r.out << r.err);
         CHECK(r.code == 2);
@@ -133,24 +133,24 @@ void check_refused_claims(const Scratch& folder, const std::vector<RefusedClaim>
     }
 }
 
-std::string axis_of(const AxisText& axis) {
+std::string make_axis(const AxisText& axis) {
     return "[[axis]]\nname = \"" + axis.name + "\"\nspacing = \"" + axis.spacing + "\"\nfrom = " + axis.from +
            "\nto = " + axis.to + "\nsteps = " + std::to_string(axis.steps) + "\nset = [" + axis.set + "]\n";
 }
 
-std::string sweep_of(const std::string& tables) {
+std::string make_sweep_file(const std::string& tables) {
     return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n" + tables;
 }
 
-const std::string small_sweep = sweep_of("\n[sphere_rays]\nprojection = \"parallel\"\nviews = 4\nrays = 16\n\n" +
-                                         axis_of({"distance_radii", "\"distance\"", "2", "1048576", 20}));
+const std::string small_sweep = make_sweep_file("\n[sphere_rays]\nprojection = \"parallel\"\nviews = 4\nrays = 16\n\n" +
+                                                make_axis({"distance_radii", "\"distance\"", "2", "1048576", 20}));
 
 const std::string march_sweep =
-    sweep_of("[march]\nmax_steps = 100\n[sphere_rays]\ndistance = 4\nimpact_to = 0.9\nviews = 1\nrays = 8\n" +
-             axis_of({"hit_eps", "\"march.hit_eps\"", "1e-3", "\"0x1p-26\"", 6}));
+    make_sweep_file("[march]\nmax_steps = 100\n[sphere_rays]\ndistance = 4\nimpact_to = 0.9\nviews = 1\nrays = 8\n" +
+                    make_axis({"hit_eps", "\"march.hit_eps\"", "1e-3", "\"0x1p-26\"", 6}));
 
 const std::string one_claim =
-    claims_of({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});
+    make_claim_file({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});
 
 std::string scene_text(const std::string& primitives, const std::string& head, const std::string& camera) {
     const bool aims = camera.find("look_at") != std::string::npos || camera.find("extent") != std::string::npos;
@@ -177,9 +177,9 @@ centre = [0, 0, 0]
 radius = 1
 )";
 
-std::string spoilt(const std::string& what, const std::string& by) { return replaced(good_scene, what, by); }
+std::string spoil_scene(const std::string& what, const std::string& by) { return replace_text(good_scene, what, by); }
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
+std::string replace_text(std::string text, const std::string& what, const std::string& by) {
     const auto at = text.find(what);
     if (at == std::string::npos) throw std::runtime_error("the text does not contain " + what);
     return text.replace(at, what.size(), by);

@@ -45,7 +45,7 @@ void check_refused(const Scratch& folder, const std::string& command, const std:
 
 /// Shell words behind a command: a signal ends it after this many seconds of processor time. Wall time would end it
 /// before it begins on a machine with other work.
-std::string ended_after(double seconds, const std::string& signal);
+std::string end_after(double seconds, const std::string& signal);
 
 /// The option that puts results into a folder below the scratch folder, or into the scratch folder itself (`""`).
 inline std::string into(const Scratch& scratch, const std::string& folder = "out") {
@@ -92,9 +92,9 @@ struct AxisText {
     int steps = 3;
     std::string spacing = "log2";
 };
-std::string axis_of(const AxisText& axis);
+std::string make_axis(const AxisText& axis);
 /// A sweep file with these tables.
-std::string sweep_of(const std::string& tables);
+std::string make_sweep_file(const std::string& tables);
 
 /// A valid sweep of a ray distribution along one axis, for tests that change it or make it wrong.
 extern const std::string small_sweep;
@@ -105,7 +105,7 @@ struct ClaimText {
     std::string id, given, expect, more = {}, verdict = "\"holds\"", source = "-";
 };
 /// A file of such claims; `head` has the keys of the file.
-std::string claims_of(const std::vector<ClaimText>& claims, const std::string& head = "");
+std::string make_claim_file(const std::vector<ClaimText>& claims, const std::string& head = "");
 /// Test and expected value of such a claim.
 inline std::string tested(const std::string& form, const std::string& format = "f32") {
     return "form = \"" + form + "\"\nformat = \"" + format + "\"\n";
@@ -132,10 +132,10 @@ std::string scene_text(const std::string& primitives, const std::string& head = 
 /// A valid scene, for tests that make it wrong: a sphere of radius 1 five units in front of a 24x16 camera.
 extern const std::string good_scene;
 /// The same with the first occurrence of `what` replaced.
-std::string spoilt(const std::string& what, const std::string& by);
+std::string spoil_scene(const std::string& what, const std::string& by);
 
 /// A text with `by` in place of the first `what`, which must be there.
-std::string replaced(std::string text, const std::string& what, const std::string& by);
+std::string replace_text(std::string text, const std::string& what, const std::string& by);
 
 /// Number of occurrences of `part` in a text.
 int count_in(const std::string& text, const std::string& part);

@@ -24,7 +24,7 @@ TEST_CASE("check: a claim about random rays must hold for every draw, and --seed
     const Scratch scratch;
     const std::string given = "sweep = \"sphere-distance\"\nat = 4096\n" + tested("sphere.schoolbook");
     const auto text = [&](const std::string& in) {
-        return claims_of(
+        return make_claim_file(
             {{"median", given, metric_in("lost_bits_p50", in) + "draws = 2\n"}, {"scene", inside, all_missed}});
     };
     scratch.write("wide.toml", text("[0, 24]"));
@@ -63,9 +63,9 @@ TEST_CASE("check: a claim that fails is named with the worst input and the comma
     const Scratch scratch;
     // The last claim has no hit that form and truth agree on. A claim that cannot be measured is an error, never a
     // pass.
-    scratch.write("c.toml", claims_of({{"right", inside, all_missed},
-                                       {"wrong", inside, none_missed},
-                                       {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}}));
+    scratch.write("c.toml", make_claim_file({{"right", inside, all_missed},
+                                             {"wrong", inside, none_missed},
+                                             {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}}));
     const auto r = run("check c.toml --junit j.xml --export-json c.json --annotations github", scratch.path());
     CHECK(r.code == 1);
     CHECK(has(r.out, "FAILED: expected to hold, but does not: wrong (A sentence)"));
@@ -86,15 +86,15 @@ TEST_CASE("check: a claim that fails is named with the worst input and the comma
 
 TEST_CASE("check: claims have a severity, a filter and a measure, and say what this machine lacks") {
     const Scratch scratch;
-    scratch.write("c.toml",
-                  claims_of({{"soft", inside, none_missed, "severity = \"warn\"\n"}, {"hard", inside, all_missed}}));
+    scratch.write("c.toml", make_claim_file({{"soft", inside, none_missed, "severity = \"warn\"\n"},
+                                             {"hard", inside, all_missed}}));
     const auto check = [&](const std::string& words) { return run("check c.toml" + words, scratch.path()); };
     CHECK(check("").code == 0);
     CHECK(check(" --strict").code == 1);
     CHECK(check(" --strict --filter 'h*'").code == 0);
     CHECK(check(" --filter nothing").code == 4);
     CHECK(check(" --measure").out == "soft = 1\nhard = 1\n");
-    scratch.write("c.toml", claims_of({{"isa", inside + "requires = [\"isa-128\"]\n", all_missed}}));
+    scratch.write("c.toml", make_claim_file({{"isa", inside + "requires = [\"isa-128\"]\n", all_missed}}));
     CHECK(check(" --junit j.xml").code == 0);
     CHECK(has(contents(scratch / "j.xml"), "skipped=\""));
     check_refused_claims(scratch, {{inside + "requires = [\"isa-127\"]\n", all_missed, "isa-127"}});
@@ -106,7 +106,7 @@ TEST_CASE("check: claims can be about a sweep, a step, an onset, a case, a cell 
                       table = "table = \"arithmetic\"\nformat = \"f32\"\nat = 16777216\nrow = ";
     const ScratchFile file(
         "c.toml",
-        claims_of(
+        make_claim_file(
             {// 2^26.5 = 94906265.6
              {"onset", distance, "onset = \"lost_bits\"\nstatistic = \"p50\"\nthreshold = 26.5\nin = [9.2e7, 9.8e7]\n"},
              {"place", distance + "at = 4096\n", metric_in("lost_bits_p50", "[10, 14]")},
@@ -128,7 +128,7 @@ TEST_CASE("check: claims can be about culprits, cancellation and contributions")
     };
     scratch.write(
         "c.toml",
-        claims_of(
+        make_claim_file(
             {{"fd", given, share(fd, "[0.45, 0.5]")},
              {"c", given, share("operation = \"c\"\n", "[0.5, 0.53]")},
              {"both", given, share("operation = [\"c\", \"dot(o - centre, d)\", \"c\"]\n", "[0.995, 0.9999]")},
@@ -171,10 +171,10 @@ TEST_CASE("check: times are measured on request and never fail a check") {
                       scalar =
                           "timing = \"one_ray_many_boxes\"\nkernel = \"scalar\"\ndata = \"l1\"\n" + tested("box.signs"),
                       over = scalar + "over = { kernel = \"128\" }\n", all = metric_in("speed_ratio", "[1e-3, 1e3]");
-    scratch.write("t.toml", claims_of({{"t.never", over, metric_in("speed_ratio", "[1e6, 1e7]")},
-                                       {"t.always", over, all},
-                                       {"t.skipped", over + "requires = [\"isa-512\", \"isa-256\"]\n", all}},
-                                      head));
+    scratch.write("t.toml", make_claim_file({{"t.never", over, metric_in("speed_ratio", "[1e6, 1e7]")},
+                                             {"t.always", over, all},
+                                             {"t.skipped", over + "requires = [\"isa-512\", \"isa-256\"]\n", all}},
+                                            head));
     const auto r = must("check t.toml --profile timing", scratch.path());
     CHECK(r.out.starts_with("differs  holds"));
     CHECK(has(r.out, "as found holds"));
@@ -259,7 +259,7 @@ TEST_CASE("check: a claim can be about one ray of a scene, and user files and va
     CHECK(claims.size() == 64 + hits);
     claims.push_back(
         {"wide", "scene = \"two.toml.wide\"\n" + tested("sphere.unified"), metric_in("agree_hit", "[64, 64]")});
-    scratch.write("claims.toml", claims_of(claims));
+    scratch.write("claims.toml", make_claim_file(claims));
     must("check claims.toml", scratch.path());
     // Beside the claims, from anywhere.
     must("check '" + (scratch / "claims.toml").string() + "'", "/");

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "explained.hpp"
 #include "program.hpp"
+#include "run_explain.hpp"
 
 namespace test_consistency {
 
@@ -64,12 +64,12 @@ TEST_CASE("consistency writes a picture for each check, a sheet and a table") {
     }
 }
 
-TEST_CASE("consistency: the two rays of a disagreement disagree when pasted") {
+TEST_CASE("consistency: two rays that disagree still disagree when pasted") {
     const Scratch scratch;
     const auto pasted = [&scratch](const std::string& words, const std::string& scene) {
         must("consistency " + scene + " --size 32x24 " + words + " -q -o .", scratch.path());
         const auto row = read_csv(scratch / (scene + "/summary.csv")).front();
-        return std::pair(explained(row.at("first_explain")), explained(row.at("second_explain")));
+        return std::pair(run_explain(row.at("first_explain")), run_explain(row.at("second_explain")));
     };
     for (const std::string form : {"sphere.schoolbook", "sphere.pythagoras", "sphere.expanded"}) {
         INFO(form);
@@ -106,7 +106,7 @@ TEST_CASE("claims about consistency are measured, and wrong ones are refused") {
     const std::string octree = "consistency = \"box-octree\"\n" + tested("box.max_mult"),
                       before = octree + "check = \"before\"\n";
     const auto check = [&](const std::string& in) {
-        scratch.write("c.toml", claims_of({{"c", before, metric_in("disagree_fraction", in)}}));
+        scratch.write("c.toml", make_claim_file({{"c", before, metric_in("disagree_fraction", in)}}));
         return run("check c.toml --export-csv out.csv", scratch.path()).code;
     };
     CHECK(check("[0, 0.5]") == 1);
@@ -132,7 +132,7 @@ TEST_CASE("a claim names a study, its options and a row of its summary") {
     };
     const std::string fraction = metric_in("disagree_fraction");
     for (const char* words : {"options = { check = \"beyond\" }\n", "where = { check = \"beyond\" }\n"}) {
-        scratch.write("c.toml", claims_of({{"c", given(words), fraction}}));
+        scratch.write("c.toml", make_claim_file({{"c", given(words), fraction}}));
         CHECK(run("check c.toml", scratch.path()).code == 0);
     }
     check_refused_claims(scratch,
@@ -231,8 +231,8 @@ TEST_CASE("claims about offsets are measured, and wrong ones are refused") {
     const std::string box = "offsets = \"offset-thin-box\"\n" + tested("box.baseline"),
                       none = box + "strategy = \"offset.none\"\n", bad = metric_in("bad_fraction");
     const auto check = [&](const std::string& in) {
-        scratch.write("c.toml", claims_of({{"c", box + "strategy = \"offset.epsilon\"\nside = \"inside\"\n",
-                                            metric_in("bad_fraction", in)}}));
+        scratch.write("c.toml", make_claim_file({{"c", box + "strategy = \"offset.epsilon\"\nside = \"inside\"\n",
+                                                  metric_in("bad_fraction", in)}}));
         return run("check c.toml --export-csv out.csv", scratch.path()).code;
     };
     CHECK(check("[0, 0.5]") == 1);

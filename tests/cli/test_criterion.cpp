@@ -31,13 +31,14 @@ ClaimText claim(const std::string& id, const std::string& verdict, const std::st
 
 TEST_CASE("a verdict follows from its criterion for every number that its interval admits") {
     const Scratch scratch;
-    scratch.write("right.toml",
-                  claims_of({claim("a", holds, "[1, 1]", "\"= 1\""), claim("b", holds, "[0.5, 1]", "\"> 0.4\""),
-                             claim("c", holds, "[0.5, 1]", "\">= 0.5\""), claim("d", holds, "[1, 1]", "[0.9, 1]"),
-                             claim("e", holds, "[1, 1]", "\"<=0x1p0\""), claim("f", refuted, "[1, 1]", "\"< 1\""),
-                             claim("g", refuted, "[0.5, 1]", "\"= 0\""), claim("h", refuted, "[0.5, 1]", "[0, 0.4]"),
-                             claim("i", refuted, "[0.5, 1]", "\"> 1\""), claim("j", qualified, "[1, 1]", "\"= 0\""),
-                             claim("k", qualified, "[1, 1]", "\"= 1\""), claim("l", holds, "[1, 1]", "")}));
+    scratch.write(
+        "right.toml",
+        make_claim_file({claim("a", holds, "[1, 1]", "\"= 1\""), claim("b", holds, "[0.5, 1]", "\"> 0.4\""),
+                         claim("c", holds, "[0.5, 1]", "\">= 0.5\""), claim("d", holds, "[1, 1]", "[0.9, 1]"),
+                         claim("e", holds, "[1, 1]", "\"<=0x1p0\""), claim("f", refuted, "[1, 1]", "\"< 1\""),
+                         claim("g", refuted, "[0.5, 1]", "\"= 0\""), claim("h", refuted, "[0.5, 1]", "[0, 0.4]"),
+                         claim("i", refuted, "[0.5, 1]", "\"> 1\""), claim("j", qualified, "[1, 1]", "\"= 0\""),
+                         claim("k", qualified, "[1, 1]", "\"= 1\""), claim("l", holds, "[1, 1]", "")}));
     must("check right.toml", scratch.path());
     const auto row = [](const std::string& verdict, const std::string& in, const std::string& criterion,
                         const std::string& says) {
@@ -67,7 +68,8 @@ TEST_CASE("a quotation has at most twelve words, and a source") {
     const Scratch scratch;
     const auto claims = [&](const std::string& source, const std::string& quotation) {
         return scratch.write(
-            "c.toml", claims_of({claim("q", holds + "\nquotation = \"" + quotation + "\"", "[1, 1]", "", source)}));
+            "c.toml",
+            make_claim_file({claim("q", holds + "\nquotation = \"" + quotation + "\"", "[1, 1]", "", source)}));
     };
     const std::string twelve = "one two three four five six seven eight nine ten eleven twelve";
     must("check '" + claims("Fell", twelve) + "' --export-csv q.csv --report report", scratch.path());
@@ -88,9 +90,9 @@ TEST_CASE("a quotation has at most twelve words, and a source") {
 
 TEST_CASE("a number that leaves its interval reports whether the verdict still holds") {
     const Scratch scratch;
-    const std::string text =
-        claims_of({claim("stands", holds, "[0.8, 0.9]", "\"> 0.5\""), claim("falls", holds, "[0.1, 0.2]", "\"< 0.5\""),
-                   claim("still", refuted, "[0.8, 0.9]", "\"= 0\""), claim("describes", holds, "[0.8, 0.9]", "")});
+    const std::string text = make_claim_file(
+        {claim("stands", holds, "[0.8, 0.9]", "\"> 0.5\""), claim("falls", holds, "[0.1, 0.2]", "\"< 0.5\""),
+         claim("still", refuted, "[0.8, 0.9]", "\"= 0\""), claim("describes", holds, "[0.8, 0.9]", "")});
     const auto r = run("check '" + scratch.write("c.toml", text) + "'");
     CHECK(r.code == 1);
     CHECK(has(r.out, "FAILED: holds, but the number has changed: stands"));
@@ -107,9 +109,10 @@ TEST_CASE("claims quoted from a source are counted apart from our own everywhere
     const Scratch scratch;
     const std::string file = scratch.write(
         "c.toml",
-        claims_of({claim("a", holds, "[1, 1]", "\"= 1\"", "A book"), claim("b", refuted, "[1, 1]", "\"= 0\"", "A book"),
-                   claim("c", qualified, "[1, 1]", "\"= 0\"", "A book"), claim("d", holds, "[1, 1]", ""),
-                   claim("e", holds, "[1, 1]", "\"> 0\""), claim("f", refuted, "[0.8, 0.9]", "\"= 0\"", "A book")}));
+        make_claim_file(
+            {claim("a", holds, "[1, 1]", "\"= 1\"", "A book"), claim("b", refuted, "[1, 1]", "\"= 0\"", "A book"),
+             claim("c", qualified, "[1, 1]", "\"= 0\"", "A book"), claim("d", holds, "[1, 1]", ""),
+             claim("e", holds, "[1, 1]", "\"> 0\""), claim("f", refuted, "[0.8, 0.9]", "\"= 0\"", "A book")}));
     const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
     const auto r = run("check '" + file + "' --junit '" + at("j.xml") + "' --export-csv '" + at("c.csv") +
                        "' --export-json '" + at("c.json") + "' --report '" + at("report") + "'");
@@ -149,11 +152,12 @@ TEST_CASE("a 99th percentile of random rays has order-statistic bounds, and that
     const Scratch scratch;
     const std::string form = tested("sphere.unified"), sweep = "sweep = \"sphere-distance\"\nat = 4096\n" + form;
     const std::string in = "[0, 24]", p99 = metric_in("lost_bits_p99", in);
-    const std::string file = scratch.write("c.toml", claims_of({{"p99", sweep, p99},
-                                                                {"low", sweep, metric_in("lost_bits_p99_low", in)},
-                                                                {"high", sweep, metric_in("lost_bits_p99_high", in)},
-                                                                {"median", sweep, metric_in("lost_bits_p50", in)},
-                                                                {"picture", "scene = \"near-benign\"\n" + form, p99}}));
+    const std::string file =
+        scratch.write("c.toml", make_claim_file({{"p99", sweep, p99},
+                                                 {"low", sweep, metric_in("lost_bits_p99_low", in)},
+                                                 {"high", sweep, metric_in("lost_bits_p99_high", in)},
+                                                 {"median", sweep, metric_in("lost_bits_p50", in)},
+                                                 {"picture", "scene = \"near-benign\"\n" + form, p99}}));
     const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
     must("check '" + file + "' --export-json '" + at("c.json") + "'");
     const auto array = nlohmann::json::parse(contents(at("c.json")));
@@ -199,7 +203,7 @@ TEST_CASE("a criterion may be about the forms that meet a requirement, and about
     std::vector<ClaimText> claims;
     for (const auto& [given, metric, right] : rows)
         claims.push_back({"c" + std::to_string(claims.size()), given, metric_in(metric, "[-1, 1000]")});
-    scratch.write("c.toml", claims_of(claims, head));
+    scratch.write("c.toml", make_claim_file(claims, head));
     std::istringstream said(must("check c.toml --profile timing --measure", scratch.path()).out);
     for (const auto& [given, metric, right] : rows) {
         INFO(given << metric);
@@ -214,7 +218,7 @@ TEST_CASE("a criterion may be about the forms that meet a requirement, and about
 TEST_CASE("a claim about a choice never fails a check, and wrong words are refused with their line") {
     const Scratch scratch;
     scratch.write("far.toml", scene);
-    scratch.write("d.toml", claims_of({{"d", unified + "bits = 23\n", metric_in("meets", "[1, 1]")}}, head));
+    scratch.write("d.toml", make_claim_file({{"d", unified + "bits = 23\n", metric_in("meets", "[1, 1]")}}, head));
     CHECK(has(must("check d.toml --profile timing", scratch.path()).out, "differs"));
     const std::string eighteen = unified + "bits = 18\n", meets = metric_in("meets"), ratio = metric_in("time_ratio"),
                       chosen = metric_in("chosen");

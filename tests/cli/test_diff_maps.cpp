@@ -106,9 +106,9 @@ TEST_CASE("diff: pictures of different sizes are compared by shares, and only fo
     // From inside, one form is asked for the exit, and the other for the near root alone.
     const std::string forms = " -i a.exit -i b.near";
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,20,80,0,0,2\n");
-    const std::string asked = run("diff small" + forms, scratch.path()).out;
-    CHECK(has(asked, "not comparable in 1 row: the two forms are asked different questions"));
-    CHECK_FALSE(has(asked, "better"));
+    const std::string printed = run("diff small" + forms, scratch.path()).out;
+    CHECK(has(printed, "not comparable in 1 row: the two forms are asked different questions"));
+    CHECK_FALSE(has(printed, "better"));
     write("small", "a.exit,f32,100,60,30,0,10,3\nb.near,f32,100,70,30,0,0,2\n");
     const std::string right = run("diff small" + forms, scratch.path()).out;
     CHECK(has(right, "\nb.near is better in 1 row, "));

@@ -32,7 +32,7 @@ std::vector<std::string> pages() {
     return all;
 }
 
-std::vector<Block> blocks_of(const std::string& page) { return blocks_in(contents(root / page)); }
+std::vector<Block> blocks_of(const std::string& page) { return find_blocks(contents(root / page)); }
 
 /// A line `$ build/lostbits …` of a console block.
 struct Command {
@@ -148,7 +148,7 @@ bool shows(std::span<const std::string> shown, std::span<const std::string> prin
 /// The files that a page asks the reader to save: "Save this as `NAME`", and the block that follows.
 void save_files(const Scratch& scratch, const std::string& page) {
     static const std::regex told(R"([Ss]ave\s+(this\s+file|this|it)\s+as\s+`([^`]+)`)");
-    const auto lines = lines_of(contents(root / page));
+    const auto lines = split_lines(contents(root / page));
     std::size_t begin = 0;
     for (const Block& block : blocks_of(page)) {
         std::string text, name;
@@ -213,7 +213,7 @@ void hold(const std::string& page) {
         const auto r = run(arguments, scratch.path());
         INFO(command.where << ": lostbits " << arguments << "\n" << r.out << r.err);
         CHECK(r.code == command.code);
-        if (!command.shown.empty()) CHECK(shows(without_times(command.shown), lines_of(r.out)));
+        if (!command.shown.empty()) CHECK(shows(without_times(command.shown), split_lines(r.out)));
     }
 }
 
@@ -296,10 +296,10 @@ TEST_CASE("docs: every command and option that a sentence names exists") {
 }
 
 TEST_CASE("docs: the README has at most 150 lines, and lines fit 120 columns") {
-    CHECK(lines_of(contents(root / "README.md")).size() <= 150);
+    CHECK(split_lines(contents(root / "README.md")).size() <= 150);
     for (const std::string& page : pages()) {
         bool block = false;
-        const auto lines = lines_of(contents(root / page));
+        const auto lines = split_lines(contents(root / page));
         for (std::size_t i = 0; i < lines.size(); ++i) {
             if (lines[i].starts_with("```")) block = !block;
             // Rows of tables, links, commands and output cannot be wrapped.

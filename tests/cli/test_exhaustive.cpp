@@ -5,9 +5,9 @@
 
 #include "catch.hpp"
 #include "every_float.hpp"
-#include "explained.hpp"
 #include "output/shard/state_file.hpp"
 #include "program.hpp"
+#include "run_explain.hpp"
 
 namespace test_exhaustive {
 
@@ -17,11 +17,11 @@ namespace {
 
 const std::string small = every_float_to("0x1.6bp10");
 
-std::string spoil(const std::string& what, const std::string& by) { return replaced(small, what, by); }
+std::string spoil(const std::string& what, const std::string& by) { return replace_text(small, what, by); }
 
 }  // namespace
 
-TEST_CASE("a sweep over every float between two gives exact onsets and the worst of each binade") {
+TEST_CASE("a sweep over every float between two bounds gives exact onsets and the worst of each binade") {
     const Scratch scratch;
     const std::string file = scratch.write("s.toml", small);
     const auto r = must("sweep '" + file + "' -v -i sphere.schoolbook -i sphere.hearn_baker" + into(scratch, ""));
@@ -37,16 +37,16 @@ TEST_CASE("a sweep over every float between two gives exact onsets and the worst
     CHECK(statements[0].at("statement").starts_with(sentence));
     CHECK(statements[0].at("right_up_to_hex") == "0x1.6a09eap+10");
     CHECK(statements[0].at("first_wrong_bits") == "0x44b504f6");
-    const auto fault = explained(statements[0].at("fault_explain"));
+    const auto fault = run_explain(statements[0].at("fault_explain"));
     CHECK(fault["outcome"] == "false_hit");
     // The neighbour is right.
-    const auto before = replaced(statements[0].at("fault_explain"), "0x1.6a09ecp+10", "0x1.6a09eap+10");
-    CHECK(explained(before)["outcome"] == "agree_miss");
+    const auto before = replace_text(statements[0].at("fault_explain"), "0x1.6a09ecp+10", "0x1.6a09eap+10");
+    CHECK(run_explain(before)["outcome"] == "agree_miss");
 
     const auto binades = read_csv(scratch / "s/binades.csv");
     REQUIRE(binades.size() == 4);
     CHECK(binades[1].at("binade") == "+2^10");
-    const auto worst = explained(binades[1].at("worst_explain"));
+    const auto worst = run_explain(binades[1].at("worst_explain"));
     CHECK(number_in(binades[1].at("worst_ulp_error")) == worst["ulp_error"].get<double>());
     CHECK(binades[1].at("worst_t_hex") == worst["t"]["hex"]);
     CHECK(binades[1].at("worst_truth_hex") == worst["truth"]["hex"]);
@@ -60,7 +60,7 @@ TEST_CASE("a sweep over every float between two gives exact onsets and the worst
         ++found;
         const auto good = static_cast<float>(number_in(onsets[i].at("last_good_hex")));
         CHECK(std::nextafter(good, HUGE_VALF) == static_cast<float>(number_in(onsets[i].at("first_bad_hex"))));
-        const auto there = explained(onsets[i].at("explain"));
+        const auto there = run_explain(onsets[i].at("explain"));
         if (onsets[i].at("event") != "lost_bits") CHECK(there["outcome"] == onsets[i].at("event"));
         else CHECK(there["lost_bits"].get<double>() >= number_in(onsets[i].at("threshold")));
     }
@@ -71,14 +71,14 @@ TEST_CASE("a sweep over every float between two gives exact onsets and the worst
 
 TEST_CASE("the convention of a sweep file is reported, and applies when a float is explained") {
     const Scratch scratch;
-    const std::string touch = replaced(spoil("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\""),
-                                       "0.75, 0.75, 0", "0, 1, 0");  // it touches the sphere
+    const std::string touch = replace_text(spoil("\"0x1.69p10\"\nto = \"0x1.6bp10\"", "1\nto = \"0x1.00001p0\""),
+                                           "0.75, 0.75, 0", "0, 1, 0");  // it touches the sphere
     const std::string file = scratch.write("s.toml", "convention = \"open\"\n" + touch);
     const auto r = must("sweep '" + file + "' -i sphere.schoolbook" + into(scratch, ""));
     CHECK(has(r.out,
               "sphere.schoolbook, judged by the open primitive, on the ray beside already fails at the first of them"));
     const auto statements = read_csv(scratch / "s/statements.csv");
-    CHECK(explained(statements[0].at("fault_explain"))["outcome"] == "false_hit");
+    CHECK(run_explain(statements[0].at("fault_explain"))["outcome"] == "false_hit");
 }
 
 TEST_CASE("a stopped sweep over every float resumes with --resume and leaves the same files") {
@@ -93,7 +93,7 @@ TEST_CASE("a stopped sweep over every float resumes with --resume and leaves the
                first_state = scratch / "parts/first/unfinished.state";
     int stops = 0;
     for (std::string more; stops < 20; more = " --resume") {
-        const auto r = run("-j 1 " + rows + out("parts") + more + ended_after(0.6, "TERM"), ".", "set -m; ");
+        const auto r = run("-j 1 " + rows + out("parts") + more + end_after(0.6, "TERM"), ".", "set -m; ");
         if (fs::exists(ended)) break;
         ++stops;
         CHECK(has(r.err, "with --resume to continue"));
@@ -190,13 +190,13 @@ TEST_CASE("a claim may rest on every float of a range, and its verdict gives the
                       all = given + "exhaustive = true\nray = \"beside\"\n",
                       onset = "onset = \"false_hit\"\nin = [\"0x1.6a09ecp10\", \"0x1.6a09ecp10\"]\n",
                       range = "from = \"0x1.6ap10\"\nto = \"0x1.6a09eap10\"\n", none = metric_in("wrong", "[0, 0]");
-    scratch.write("c.toml", claims_of({{"first", all, onset}, {"before", all + range, none}}));
+    scratch.write("c.toml", make_claim_file({{"first", all, onset}, {"before", all + range, none}}));
     const auto r = must("-v check c.toml --export-csv c.csv --export-json c.json", scratch.path());
     CHECK(has(r.out, "ok       first (holds, all 65537 floats): 1448.155029296875\n"));
     CHECK(has(r.out, "ok       before (holds, all 1270 floats): 0\n"));
     const auto row = read_csv(scratch / "c.csv").front();
     CHECK(row.at("floats") == "65537");
-    CHECK(explained(row.at("witness_explain"))["outcome"] == "false_hit");
+    CHECK(run_explain(row.at("witness_explain"))["outcome"] == "false_hit");
     CHECK(nlohmann::json::parse(contents(scratch / "c.json"))[1]["floats"] == 1270);
     check_refused_claims(scratch, {{given + "ray = \"beside\"\n", onset, "needs `exhaustive = true`"},
                                    {given + "at = 3\n", none, "write `exhaustive = true` in claim.given"},
@@ -207,7 +207,7 @@ TEST_CASE("a claim may rest on every float of a range, and its verdict gives the
                                     "no onset of \"lost_bits\" at that threshold"},
                                    {all + "from = 1\nto = 2\n", onset, "lies outside the axis distance"},
                                    {all + "from = 1444\n", onset, "one of from and to"}});
-    scratch.write("b.toml", claims_of({{"b", all, "onset = \"false_miss\"\nin = [0, 1]\n"}}));
+    scratch.write("b.toml", make_claim_file({{"b", all, "onset = \"false_miss\"\nin = [0, 1]\n"}}));
     const auto never = run("check b.toml", scratch.path());
     CHECK(never.code == 1);
     CHECK(has(never.out, "it does not happen at any of the floats"));

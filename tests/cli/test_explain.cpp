@@ -11,7 +11,7 @@
 #include "fpcore.hpp"
 #include "intersect/table/table.hpp"
 #include "program.hpp"
-#include "setting_of.hpp"
+#include "scene_and_pixel.hpp"
 
 namespace test_explain {
 
@@ -100,25 +100,25 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
     const Scratch scratch;
     int compiled = 0;
     std::map<std::string, std::map<std::string, int>> seen;  // words, by the format
-    std::vector<std::pair<std::string, std::string>> asked;
+    std::vector<std::pair<std::string, std::string>> questions;
     std::vector<const char*> formats{"f32", "p52"};  // with 52 bits, half of all results are ties
     if (test::is_long()) formats.insert(formats.end(), {"f64", "bf16"});
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
         for (const char* format : formats) {
             if (form.info->formats == intersect::Formats::binary32_only && format != std::string("f32")) continue;
-            asked.emplace_back(setting_of(form.shape) + " -i " + std::string(form.info->name), format);
+            questions.emplace_back(scene_and_pixel_of(form.shape) + " -i " + std::string(form.info->name), format);
         }
     }
     // Misses, whose t may be any NaN; the widest formats that round; an answer that is not a number.
     for (const char* more :
          {"near-benign --pixel 0,0 -i sphere.schoolbook", "near-benign --pixel 0,0 -i sphere.pythagoras",
           "box-one --pixel 0,0 -i box.signs", "sdf-sphere --pixel 0,0 -i sdf.sphere_trace"}) {
-        for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) asked.emplace_back(more, format);
+        for (const char* format : {"f32", "f64", "p26", "p52", "p53"}) questions.emplace_back(more, format);
     }
-    for (const char* filtered : settled_exactly)
-        for (const char* format : {"f32", "f64", "p52"}) asked.emplace_back(filtered, format);
+    for (const char* filtered : exact_step_rays)
+        for (const char* format : {"f32", "f64", "p52"}) questions.emplace_back(filtered, format);
     std::multiset<std::string> refused;
-    for (const auto& [what, format] : asked) {
+    for (const auto& [what, format] : questions) {
         const auto r = run("explain " + what + " -f " + format + " --c");
         INFO(what << " in " << format << ": " << r.err);
         if (r.code == 2) {  // neighbours and fused operations of a format that is not C's
@@ -129,7 +129,7 @@ TEST_CASE("explain: C programs compile alone, compute the recorded bits and prin
             continue;
         }
         REQUIRE(r.code == 0);
-        if (!test::adds_words(r.out, seen[format]) && !test::is_long()) continue;
+        if (!test::add_words(r.out, seen[format]) && !test::is_long()) continue;
         const std::string source = scratch.write("ray.c", r.out), program = (scratch / "ray").string();
         REQUIRE(std::system(("cc -std=c99 -O2 -o '" + program + "' '" + source + "' -lm").c_str()) == 0);
         CHECK(std::system(("'" + program + "' > '" + (scratch / "said").string() + "'").c_str()) == 0);
@@ -166,7 +166,7 @@ TEST_CASE("explain: FPCore parses as s-expressions and evaluates to the recorded
             const auto place = &form - intersect::table::intersectors().data();
             if (!is_long() && (format == "f32" ? place % 2 != 0 : place % 4 != 1)) continue;
             const std::string where =
-                "explain " + setting_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
+                "explain " + scene_and_pixel_of(form.shape) + " -i " + std::string(form.info->name) + " -f " + format;
             const auto r = must(where + " --fpcore");
             std::size_t at = 0;
             const auto core = test::read_expression(r.out, at);
@@ -203,7 +203,7 @@ TEST_CASE("explain: FPCore says how to get a neighbour and another precision") {
 TEST_CASE("explain: a C program of many bits is refused where a constant is not a double") {
     const Scratch scratch;
     // radius·radius = 1e-300 < 2^-960
-    const std::string text = replaced(spoilt("radius = 1", "radius = \"1e-150\""), "shared", "own");
+    const std::string text = replace_text(spoil_scene("radius = 1", "radius = \"1e-150\""), "shared", "own");
     const std::string scene = "explain '" + scratch.write("s.toml", text) + "' --pixel 12,8 -i sphere.press --c -f ";
     const auto r = run(scene + "p40");
     CHECK(r.code == 2);

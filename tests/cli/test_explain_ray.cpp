@@ -4,9 +4,9 @@
 #include <map>
 
 #include "catch.hpp"
-#include "explained.hpp"
 #include "program.hpp"
-#include "setting_of.hpp"
+#include "run_explain.hpp"
+#include "scene_and_pixel.hpp"
 
 namespace test_explain_ray {
 
@@ -16,9 +16,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Message of `lostbits explain` about its arguments, in place of its table.
-Json told(const std::string& arguments, const fs::path& folder = ".") {
-    return explained("lostbits explain " + arguments, folder);
+/// Runs `lostbits explain` with these arguments, and returns what it writes as JSON.
+Json explain_as_json(const std::string& arguments, const fs::path& folder = ".") {
+    return run_explain("lostbits explain " + arguments, folder);
 }
 
 }  // namespace
@@ -28,25 +28,27 @@ TEST_CASE("explain: a ray is taken as given, with input error where the format c
     const std::string ray = "--sphere 0,0,5,1 --ray 0.1,0,0,0,0,1 -i sphere.schoolbook ";
     // The truth is that of the decimal's binary64 number, in whatever format the form computes: t* = 5 - sqrt(1 -
     // 0.1²), by hand in 40 digits for 0x1.999999999999ap-4 and for 0x1.99999ap-4, each rounded to binary64.
-    const Json f64 = told(ray + "-f f64", folder.path()), f32 = told(ray + "-f f32", folder.path());
+    const Json f64 = explain_as_json(ray + "-f f64", folder.path()),
+               f32 = explain_as_json(ray + "-f f32", folder.path());
     CHECK(hex_in(f64["inputs"]["o.x"]) == "0x1.999999999999ap-4");
     CHECK(hex_in(f32["inputs"]["o.x"]) == "0x1.99999ap-4");
     CHECK(f64["inputs_rounded"] == false);
     CHECK(f32["inputs_rounded"] == true);
     CHECK(hex_in(f64["truth"]) == "0x1.005220366c8ebp+2");
     CHECK(f32["truth"] == f64["truth"]);
-    const Json as = told(ray + "-f f32 --as f32", folder.path()), wide = told(ray + "-f f64 --as f32", folder.path());
+    const Json as = explain_as_json(ray + "-f f32 --as f32", folder.path()),
+               wide = explain_as_json(ray + "-f f64 --as f32", folder.path());
     CHECK(as["inputs_rounded"] == false);
     CHECK(wide["inputs_rounded"] == false);
     CHECK(hex_in(as["truth"]) == "0x1.0052203695b95p+2");
     CHECK(as["truth"] == wide["truth"]);
     // A scene with numbers of its own has an ideal ray, which every format rounds once from the decimal.
-    folder.write("own.toml", spoilt("shared", "own"));
+    folder.write("own.toml", spoil_scene("shared", "own"));
     const std::string ideal = "own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook ";
-    const Json in_own = told(ideal + "-f f64", folder.path());
+    const Json in_own = explain_as_json(ideal + "-f f64", folder.path());
     CHECK(in_own["inputs_rounded"] == true);
     CHECK(hex_in(in_own["inputs"]["o.x"]) == "0x1.999999999999ap-4");
-    CHECK(told(ideal + "-f f64 --as f64", folder.path())["inputs_rounded"] == false);
+    CHECK(explain_as_json(ideal + "-f f64 --as f64", folder.path())["inputs_rounded"] == false);
     const auto text = run("explain own.toml --ray 0.1,0,-5,0,0,1 -i sphere.schoolbook", folder.path());
     CHECK(has(text.out, "f32 cannot represent all of these numbers and gets them rounded"));
 }
@@ -54,18 +56,19 @@ TEST_CASE("explain: a ray is taken as given, with input error where the format c
 TEST_CASE("explain: a ray with its own primitives keeps its end and is judged by the given convention") {
     const Scratch folder;
     const std::string face = "--box 0,0,5,1,1,6 --ray 1,0.5,0,0,0,1 -i box.inclusive ";
-    CHECK(hex_in(told(face + "--convention closed", folder.path())["truth"]) == "0x1.4p+2");
-    CHECK(told(face + "--convention open", folder.path())["truth"].is_null());
-    CHECK(told(face + "--convention open", folder.path())["outcome"] == "false_hit");
-    CHECK(told(face + "--convention closed --tmax 4", folder.path())["outcome"] == "agree_miss");
-    CHECK(told(face + "--convention closed --tmax 5", folder.path())["outcome"] == "agree_hit");
-    CHECK(told(face + "--convention closed --tmax 5 --open-ends tmax", folder.path())["outcome"] == "agree_miss");
+    CHECK(hex_in(explain_as_json(face + "--convention closed", folder.path())["truth"]) == "0x1.4p+2");
+    CHECK(explain_as_json(face + "--convention open", folder.path())["truth"].is_null());
+    CHECK(explain_as_json(face + "--convention open", folder.path())["outcome"] == "false_hit");
+    CHECK(explain_as_json(face + "--convention closed --tmax 4", folder.path())["outcome"] == "agree_miss");
+    CHECK(explain_as_json(face + "--convention closed --tmax 5", folder.path())["outcome"] == "agree_hit");
+    CHECK(explain_as_json(face + "--convention closed --tmax 5 --open-ends tmax", folder.path())["outcome"] ==
+          "agree_miss");
     const std::string ball = "--sphere 0,0,5,1 --ray 0,0,0,0,0,1 -i sphere.schoolbook ";
-    CHECK(hex_in(told(ball + "--tmin 4 --tmax 4", folder.path())["truth"]) == "0x1p+2");
-    const auto far = told(ball + "--tmin 4 --open-ends tmin", folder.path());
+    CHECK(hex_in(explain_as_json(ball + "--tmin 4 --tmax 4", folder.path())["truth"]) == "0x1p+2");
+    const auto far = explain_as_json(ball + "--tmin 4 --open-ends tmin", folder.path());
     CHECK(hex_in(far["truth"]) == "0x1.8p+2");
     CHECK(far["outcome"] == "agree_hit");
-    CHECK(told(ball + "--tmin 4.5 --tmax 5.5", folder.path())["outcome"] == "agree_miss");
+    CHECK(explain_as_json(ball + "--tmin 4.5 --tmax 5.5", folder.path())["outcome"] == "agree_miss");
 }
 
 TEST_CASE("explain: normalising a direction is reported") {
@@ -74,7 +77,7 @@ TEST_CASE("explain: normalising a direction is reported") {
     CHECK(has(march.out,
               "The direction (0, 0, -2) is normalised and rounded: the form takes unit directions, and its t is a "
               "distance."));
-    CHECK(told(ray.substr(8) + "-i sdf.sphere_trace")["given_direction"] == nlohmann::json({0, 0, -2}));
+    CHECK(explain_as_json(ray.substr(8) + "-i sdf.sphere_trace")["given_direction"] == nlohmann::json({0, 0, -2}));
     CHECK_FALSE(has(run("explain sdf-sphere --ray 0,0,4,0,0,-1 -i sdf.sphere_trace").out, "is normalised"));
     CHECK_FALSE(has(run("explain near-benign --ray 0,0,0,0,0,-2 -i sphere.schoolbook").out, "is normalised"));
 }
@@ -180,8 +183,8 @@ TEST_CASE("explain --worst of a sweep reports the ray, its step and the number o
 TEST_CASE("a claim about all wrong decisions names the first one, as explain --worst does") {
     const Scratch scratch;
     const std::string form = tested("sphere.press"), none = metric_in("wrong_fraction", "[0, 0]");
-    scratch.write("c.toml", claims_of({{"scene", "scene = \"grazing\"\n" + form, none},
-                                       {"sweep", "sweep = \"sphere-distance\"\nat = 4096\n" + form, none}}));
+    scratch.write("c.toml", make_claim_file({{"scene", "scene = \"grazing\"\n" + form, none},
+                                             {"sweep", "sweep = \"sphere-distance\"\nat = 4096\n" + form, none}}));
     const auto r = run("check c.toml --junit j.xml", scratch.path());
     REQUIRE(r.code == 1);
     const auto worst = run("explain grazing --worst -i sphere.press -f f32").out;
@@ -198,9 +201,9 @@ TEST_CASE("a claim about all wrong decisions names the first one, as explain --w
 }
 
 TEST_CASE("explain: a form that decides exactly shows what ran, with the exact step as one call") {
-    for (const std::string asked : settled_exactly) {
-        INFO(asked);
-        const auto j = told(asked + " -f f32");
+    for (const std::string options : exact_step_rays) {
+        INFO(options);
+        const auto j = explain_as_json(options + " -f f32");
         CHECK(j["outcome"] == "agree_hit");
         CHECK(j["lost_bits"] == 0);
         CHECK(j["culprit"] == nullptr);
@@ -210,15 +213,15 @@ TEST_CASE("explain: a form that decides exactly shows what ran, with the exact s
             if (operation["operation"] != "call") continue;
             ++calls;
             CHECK(operation["expression"] == "exactly(ray, primitive)");
-            CHECK(operation["operands"].size() + (has(asked, "box") ? 0 : 1) == j["inputs"].size());
+            CHECK(operation["operands"].size() + (has(options, "box") ? 0 : 1) == j["inputs"].size());
         }
         CHECK(calls > 0);
-        CHECK(has(run("explain " + asked + " -f f32 --c").out, "a call, which sums without rounding"));
-        const auto core = run("explain " + asked + " -f f32 --fpcore");
-        CHECK(core.code == (has(asked, "box") ? 0 : 2));  // its t is not computed by an exact step
+        CHECK(has(run("explain " + options + " -f f32 --c").out, "a call, which sums without rounding"));
+        const auto core = run("explain " + options + " -f f32 --fpcore");
+        CHECK(core.code == (has(options, "box") ? 0 : 2));  // its t is not computed by an exact step
         if (core.code == 2) CHECK(has(core.err, "by a call that sums without rounding"));
     }
-    CHECK(has(run(std::string("explain ") + settled_exactly[0] + " -f f32").out, "t = 0"));
+    CHECK(has(run(std::string("explain ") + exact_step_rays[0] + " -f f32").out, "t = 0"));
 }
 
 }  // namespace test_explain_ray

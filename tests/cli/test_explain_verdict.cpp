@@ -8,7 +8,7 @@
 #include "catch.hpp"
 #include "intersect/table/table.hpp"
 #include "program.hpp"
-#include "scene_for_shape.hpp"
+#include "scene_and_pixel.hpp"
 
 namespace test_explain_verdict {
 
@@ -94,7 +94,7 @@ TEST_CASE("explain: the far side of a sphere instead of the near one is reported
 
 TEST_CASE("explain: every operation that a row names has a row of its own") {
     for (const intersect::table::Intersector& form : intersect::table::intersectors()) {
-        const auto out = run("explain " + scene_and_pixel(form.shape) + " -i " + std::string(form.info->name)).out;
+        const auto out = run("explain " + scene_and_pixel_of(form.shape) + " -i " + std::string(form.info->name)).out;
         std::set<std::string> rows, named;
         std::istringstream lines(out.substr(out.find("  operation ")));
         for (std::string line; std::getline(lines, line) && !line.starts_with("- what");) {

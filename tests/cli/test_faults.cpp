@@ -10,7 +10,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "program.hpp"
-#include "started.hpp"
+#include "started_program.hpp"
 
 namespace test_faults {
 
@@ -278,7 +278,7 @@ TEST_CASE("choose answers without times where the temporary folder forbids runni
 TEST_CASE("a path with a symbolic-link loop is bad input for every option") {
     const Scratch scratch;
     scratch.write("mine.toml", good_scene);
-    scratch.write("mesh.toml", replaced(good_scene, "[[sphere]]", "[[mesh]]\nfile = \"loop/a.gltf\"\n[[sphere]]"));
+    scratch.write("mesh.toml", replace_text(good_scene, "[[sphere]]", "[[mesh]]\nfile = \"loop/a.gltf\"\n[[sphere]]"));
     fs::create_symlink("loop", scratch / "pool");
     fs::create_symlink("pool", scratch / "loop");
     for (const char* words :

@@ -19,15 +19,15 @@ using Json = nlohmann::json;
 
 namespace {
 
-/// Files named by the list, and the list itself.
-std::vector<std::string> listed_in(const fs::path& folder) {
+/// Returns the files that the manifest of a folder names, and the manifest itself, in order.
+std::vector<std::string> list_files_of_manifest(const fs::path& folder) {
     std::vector<std::string> names = Json::parse(contents(folder / "manifest.json")).at("files");
     names.emplace_back("manifest.json");
     std::ranges::sort(names);
     return names;
 }
 
-std::string rays() {
+std::string make_ray_table() {
     std::string text = "ox,oy,oz,dx,dy,dz,hit,t\n";
     for (int i = 0; i < 16; ++i) text += "0,0,-5,0,0,1,1,4\n";
     return text;
@@ -60,8 +60,8 @@ const SmallRun small_runs[] = {
     {"sweep extremes/contact -i sphere.press -f f32", "-i sphere.unified -f f64", "contact", "cases.csv", false},
     {"trade -i sphere.press -f f32 --repetitions 1 --quick", "-i sphere.unified -f f64", "sphere", "", false}};
 
-/// The pictures among the files of a folder that are not contact sheets.
-std::size_t singles_in(const std::vector<std::string>& files) {
+/// Counts the pictures among the files of a folder that are not contact sheets.
+std::size_t count_single_pictures(const std::vector<std::string>& files) {
     return static_cast<std::size_t>(std::ranges::count_if(
         files, [](const std::string& name) { return name.ends_with(".png") && !name.starts_with("contact"); }));
 }
@@ -71,20 +71,20 @@ std::size_t singles_in(const std::vector<std::string>& files) {
 TEST_CASE("a second run replaces all results of the first, and -o - writes its table to standard output only") {
     const Scratch scratch, temporary;
     scratch.write("mine.toml", good_scene);
-    scratch.write("rays.csv", rays());
+    scratch.write("rays.csv", make_ray_table());
     for (const SmallRun& row : small_runs) {
         INFO(row.words);
         const fs::path folder = scratch / "out" / row.folder;
         must(row.words + " " + row.more + " -o out", scratch.path());
         const auto before = files_below(folder);
-        CHECK(before == listed_in(folder));
+        CHECK(before == list_files_of_manifest(folder));
         std::ofstream(folder / "notes.txt") << "mine";
         must(row.words + " -o out", scratch.path());
         auto after = files_below(folder);
         CHECK(std::erase(after, "notes.txt") == 1);
-        CHECK(after == listed_in(folder));
+        CHECK(after == list_files_of_manifest(folder));
         CHECK(after.size() <= before.size());
-        CHECK((!row.has_sheet || (singles_in(after) == 0 && singles_in(before) > 0)));
+        CHECK((!row.has_sheet || (count_single_pictures(after) == 0 && count_single_pictures(before) > 0)));
         // As into a new folder.
         fs::remove_all(scratch / "out");
         must(row.words + " -o out", scratch.path());
@@ -202,8 +202,8 @@ TEST_CASE("a folder shared by a report and checked claims keeps both, and its li
 
 TEST_CASE("an interrupted report leaves no folder") {
     const Scratch scratch;
-    const auto r = run("report near-benign --size 700x700 -j 1 -o page/inner" + ended_after(1.5, "TERM"),
-                       scratch.path(), "set -m; ");
+    const auto r = run("report near-benign --size 700x700 -j 1 -o page/inner" + end_after(1.5, "TERM"), scratch.path(),
+                       "set -m; ");
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());
     CHECK_FALSE(fs::exists(scratch / "page"));

@@ -15,7 +15,7 @@ using namespace lostbits::test;
 
 namespace {
 
-std::vector<std::string> lines_of(const std::string& text) {
+std::vector<std::string> split_lines(const std::string& text) {
     std::vector<std::string> lines;
     std::istringstream in(text);
     for (std::string line; std::getline(in, line);) lines.push_back(line);
@@ -26,7 +26,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 std::vector<std::string> examples_of(const std::string& help) {
     std::vector<std::string> examples;
     bool below = false;
-    for (const std::string& line : lines_of(help)) {
+    for (const std::string& line : split_lines(help)) {
         if (line == "Examples:") below = true;
         else if (below && line.empty()) break;
         else if (below && line.starts_with("  lostbits ")) examples.push_back(line.substr(2));
@@ -58,7 +58,7 @@ int status_of(const std::string& line, const Scratch& scratch) {
 std::vector<std::pair<std::string, std::string>> renamed_in_changelog() {
     static const std::regex row(R"(\s*\| `([^`]*)` \| `([^`]*)` \|)");
     std::vector<std::pair<std::string, std::string>> rows;
-    for (const std::string& line : lines_of(contents(fs::path(LOSTBITS_DATA_DIR).parent_path() / "CHANGELOG.md"))) {
+    for (const std::string& line : split_lines(contents(fs::path(LOSTBITS_DATA_DIR).parent_path() / "CHANGELOG.md"))) {
         std::smatch part;
         if (std::regex_match(line, part, row)) rows.emplace_back(part[1], part[2]);
     }
@@ -78,8 +78,8 @@ TEST_CASE("the help of every command has two examples, its own options and one f
         for (const char* option : {"--data", "--plugin", "--isa", "--threads", "--quiet"}) CHECK(has(help, option));
         for (const char* raw : {"TEXT", "ENUM", "INT", " in {", " in [", "Needs:", "Excludes:", "Exit status:"})
             CHECK_FALSE(has(help, raw));
-        CHECK(lines_of(help).back().starts_with("`lostbits --help` explains"));
-        for (const std::string& line : lines_of(help)) {
+        CHECK(split_lines(help).back().starts_with("`lostbits --help` explains"));
+        for (const std::string& line : split_lines(help)) {
             INFO(line);
             const bool is_one_word = line.find_first_not_of(' ') == std::string::npos ||
                                      line.find(' ', line.find_first_not_of(' ')) == std::string::npos;
@@ -118,7 +118,7 @@ TEST_CASE("internal commands are not listed") {
         CHECK_FALSE(has(must("completion " + std::string(shell)).out, "probe"));
 }
 
-TEST_CASE("old names of options are read, with one line that gives the new name") {
+TEST_CASE("old names of options are accepted, with one line that gives the new name") {
     const Scratch scratch;
     scratch.write("a.csv", "x,y\n1,2\n");
     scratch.write("b.csv", "x,y\n1,2.5\n");
@@ -251,7 +251,7 @@ TEST_CASE("a file of another kind is refused with its kind and the command that 
             CHECK(has(r.err, file + ": " + kind.first));
             CHECK(has(r.err, "try `" + kind.second));
             for (const char* edit : {"schema", "valid TOML", "write "}) CHECK_FALSE(has(r.err, edit));
-            CHECK(lines_of(r.err).size() == 1);
+            CHECK(split_lines(r.err).size() == 1);
         }
     }
     CHECK_FALSE(fs::exists(scratch / "out"));

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "catch.hpp"
-#include "code_only.hpp"
 #include "counts.hpp"
+#include "extract_code.hpp"
 #include "program.hpp"
 
 namespace test_hostile_text {
@@ -21,10 +21,10 @@ const std::string hostile = R"(=SUM(1)|<script>x</script>\n::error::forged\n##[e
                             R"(\uFFFF\u202E &amp; \"q\" ' `b` \\| end)";
 
 std::string claim(const std::string& id) {
-    const std::string text = claims_of(
+    const std::string text = make_claim_file(
         {{id, "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction", "[0.5, 1]"),
           "note = \"" + hostile + "\"\n", "\"holds\"", hostile}});
-    return replaced(text, "A sentence", hostile);
+    return replace_text(text, "A sentence", hostile);
 }
 
 bool has_forged_command(const std::string& text) {
@@ -35,7 +35,7 @@ bool has_forged_command(const std::string& text) {
 
 TEST_CASE("a claim from an untrusted file is shown as plain text everywhere") {
     const Scratch scratch;
-    scratch.write("mine.toml", spoilt("\"A test\"", "\"" + hostile + "\""));
+    scratch.write("mine.toml", spoil_scene("\"A test\"", "\"" + hostile + "\""));
     scratch.write("claims.toml", claim(hostile));
     const auto r = run("check claims.toml --annotations github --junit j.xml --export-csv c.csv --export-json c.json",
                        scratch.path());
@@ -67,7 +67,7 @@ TEST_CASE("a claim from an untrusted file is shown as plain text everywhere") {
 TEST_CASE("titles and file names are plain text on a terminal") {
     const Scratch scratch;
     fs::create_directories(scratch / "data/scenes");
-    scratch.write("data/scenes/mine.toml", spoilt("\"A test\"", "\"" + hostile + "\""));
+    scratch.write("data/scenes/mine.toml", spoil_scene("\"A test\"", "\"" + hostile + "\""));
     const auto list = must("--data data list scenes", scratch.path());
     CHECK_FALSE(has_forged_command(list.out));
     CHECK(has(run("--data data list scenes --json", scratch.path()).out, "\\n::error::forged"));
@@ -102,7 +102,7 @@ TEST_CASE("a column named like a formula is text in the table of rays") {
 
 TEST_CASE("a file with terminal control codes is refused") {
     const Scratch scratch;
-    scratch.write("mine.toml", spoilt("\"A test\"", R"("A \u001b[31mtest")"));
+    scratch.write("mine.toml", spoil_scene("\"A test\"", R"("A \u001b[31mtest")"));
     const auto r = run("map mine.toml -o out", scratch.path());
     CHECK(r.code == 2);
     CHECK(has(r.err, "mine.toml:2:9: title holds the control character 27, which a terminal would obey; leave it out"));
@@ -167,8 +167,8 @@ TEST_CASE("a file name never becomes code in any exported language") {
                                              {must(explain + "--c", scratch.path()).out, c_code},
                                              {must(explain + "--fpcore", scratch.path()).out, fpcore_code}}) {
             INFO(text);
-            CHECK_FALSE(has(code_only(text, language), "pwned"));
-            CHECK_FALSE(has(code_only(text, language), "PWNED"));
+            CHECK_FALSE(has(extract_code(text, language), "pwned"));
+            CHECK_FALSE(has(extract_code(text, language), "PWNED"));
         }
         CHECK(count_in(shader, "lostbits:") == 2);
         const std::string source = "#include \"mended.hpp\"\n";

@@ -157,7 +157,7 @@ TEST_CASE("a line break in an argument is shown on one line") {
 TEST_CASE("a wrong input for an axis is refused with its place in the file") {
     const Inputs inputs;
     const auto refused_by = [&](const std::string& what, const std::string& by, const std::string& says) {
-        std::ofstream(inputs / "s.toml") << replaced(small_sweep, what, by);
+        std::ofstream(inputs / "s.toml") << replace_text(small_sweep, what, by);
         inputs.refused("sweep s.toml -i sphere.press -f f32 -o out", says);
     };
     const std::string set = small_sweep.substr(small_sweep.find("set = "));

@@ -10,7 +10,7 @@
 #include "catch.hpp"
 #include "counts.hpp"
 #include "program.hpp"
-#include "started.hpp"
+#include "started_program.hpp"
 
 namespace test_kills {
 
@@ -42,8 +42,8 @@ struct Command {
 };
 
 struct Counts {
-    int killed = 0, asked = 0, unharmed = 0;  ///< SIGKILL, SIGTERM, and done before the signal or in spite of it
-    int unfinished = 0, partial = 0;          ///< folders that said so, and ones with half-written files
+    int killed = 0, terminated = 0, unharmed = 0;  ///< SIGKILL, SIGTERM, and done before the signal or in spite of it
+    int unfinished = 0, partial = 0;               ///< folders that said so, and ones with half-written files
 };
 
 /// True if every file is as one of the two commands writes it. In a folder that is marked as unfinished, a list of
@@ -72,7 +72,7 @@ void kill_once(const Scratch& scratch, const Command& command, std::mt19937& ran
     INFO(contents(scratch / "err.txt"));
     // SIGTERM may come before the program has installed its handler.
     REQUIRE((code == 0 || code == 130 || code == 128 + SIGKILL || code == 128 + SIGTERM));
-    ++(code == 0 ? counts.unharmed : kills ? counts.killed : counts.asked);
+    ++(code == 0 ? counts.unharmed : kills ? counts.killed : counts.terminated);
 }
 
 void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Command b) {
@@ -95,7 +95,7 @@ void kill_often(const Scratch& scratch, const fs::path& folder, Command a, Comma
     CHECK(files_in(folder) == a.right);
     CHECK(files_below(scratch / "out").size() == a.right.size());
     if (wanted != nullptr)
-        std::cout << a.words.front() << ": " << counts.killed << " killed, " << counts.asked << " asked to end, "
+        std::cout << a.words.front() << ": " << counts.killed << " killed, " << counts.terminated << " asked to end, "
                   << counts.unharmed << " done all the same; afterwards " << counts.unfinished
                   << " folders said that they were not finished and " << counts.partial
                   << " held half-written files; none was damaged, and the next run left nothing\n";

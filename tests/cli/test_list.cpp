@@ -12,7 +12,7 @@
 #include "measure/offset/strategy.hpp"
 #include "program.hpp"
 #include "scene/camera/ray_generators.hpp"
-#include "setting_of.hpp"
+#include "scene_and_pixel.hpp"
 
 namespace test_list {
 

@@ -76,10 +76,11 @@ TEST_CASE("a missing file is named once, without a needless extra line") {
 TEST_CASE("a sweep and a claim find a scene in their own folder") {
     const Scratch scratch;
     scratch.write("own/ball.toml", good_scene);
-    scratch.write("own/grow.toml", sweep_of("scene = \"ball.toml\"\n" +
-                                            axis_of({"radius", "\"sphere[0].radius\"", "0.5", "1", 2, "linear"})));
-    scratch.write("own/claims.toml", claims_of({{"own.ball", "scene = \"ball.toml\"\n" + tested("sphere.press"),
-                                                 metric_in("false_miss_fraction", "[0, 0]")}}));
+    scratch.write("own/grow.toml",
+                  make_sweep_file("scene = \"ball.toml\"\n" +
+                                  make_axis({"radius", "\"sphere[0].radius\"", "0.5", "1", 2, "linear"})));
+    scratch.write("own/claims.toml", make_claim_file({{"own.ball", "scene = \"ball.toml\"\n" + tested("sphere.press"),
+                                                       metric_in("false_miss_fraction", "[0, 0]")}}));
     for (const std::string own : {"own/", ""}) {
         const auto folder = scratch.path() / (own.empty() ? "own" : "");
         must("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);

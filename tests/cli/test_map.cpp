@@ -221,7 +221,7 @@ TEST_CASE("an interrupted run stops within a band, however many spheres there ar
     // bf16 makes nearly all of the 66,431 spheres candidates: one band of rows takes minutes. Where it goes
     // on, the limit of its processor time ends it.
     const Scratch scratch;
-    const auto r = run("map sphereflake-far -f bf16 -i sphere.schoolbook -q" + into(scratch) + ended_after(3, "TERM"),
+    const auto r = run("map sphereflake-far -f bf16 -i sphere.schoolbook -q" + into(scratch) + end_after(3, "TERM"),
                        ".", "set -m; ulimit -t $((3 + 40 * $(nproc))); ");
     CHECK(r.code == 130);
     CHECK(scratch.files().empty());

@@ -4,8 +4,8 @@
 #include <tuple>
 
 #include "catch.hpp"
-#include "explained.hpp"
 #include "program.hpp"
+#include "run_explain.hpp"
 
 namespace test_paste {
 
@@ -29,7 +29,7 @@ CheckResult paste_rows(const Table& table, const Scratch& folder, std::size_t ev
         CHECK(table[i].at("worst_explain").empty() == table[i].at("worst_t_hex").empty());
         CHECK(table[i].at("fault_explain").empty() == table[i].at("fault_outcome").empty());
         if (const std::string command = table[i].at("worst_explain"); !command.empty()) {
-            const Json j = explained(command, folder.path());
+            const Json j = run_explain(command, folder.path());
             CAPTURE(command);
             CHECK(j["form"] == table[i].at("form"));
             CHECK(j["format"] == table[i].at("format"));
@@ -43,7 +43,7 @@ CheckResult paste_rows(const Table& table, const Scratch& folder, std::size_t ev
             ++checked.worst;
         }
         if (const std::string command = table[i].at("fault_explain"); !command.empty()) {
-            const Json j = explained(command, folder.path());
+            const Json j = run_explain(command, folder.path());
             CAPTURE(command);
             CHECK(j["outcome"] == table[i].at("fault_outcome"));
             CHECK(hex_in(j["truth"]) == table[i].at("fault_truth_hex"));
@@ -64,7 +64,7 @@ TEST_CASE("paste: the worst ray of each row of summary.csv and any row of a pixe
     const Scratch folder;
     // A file of the user: a space in its name, variants, and numbers that each format rounds itself.
     const std::string own =
-        spoilt("shared", "own") +
+        spoil_scene("shared", "own") +
         "[[variant]]\nname = \"a\"\nset = { \"sphere[0].radius\" = \"1.1\" }\n[[variant]]\nname = \"b\"\nset = {}\n";
     folder.write("my scene.toml", own);
     const std::string rows =
@@ -94,7 +94,7 @@ TEST_CASE("paste: the worst ray of each row of summary.csv and any row of a pixe
         for (std::size_t i = 11; i < pixels.size(); i += 397) {
             std::string other = words;
             other.replace(begin, end - begin, pixels[i].at("x") + "," + pixels[i].at("y"));
-            const Json j = explained(other, folder.path());
+            const Json j = run_explain(other, folder.path());
             CAPTURE(other);
             CHECK(j["outcome"] == pixels[i].at("outcome"));
             CHECK(hex_in(j["truth"]) == pixels[i].at("truth_hex"));
@@ -109,17 +109,17 @@ TEST_CASE("paste: the worst ray of each row of summary.csv and any row of a pixe
 
 TEST_CASE("paste: the worst ray of each sweep step, with the primitive of its view and the constants of its march") {
     const Scratch folder;
-    folder.write("one.toml", sweep_of("[sphere_rays]\nviews = 3\nrays = 16\n" +
-                                      axis_of({"distance", "\"distance\"", "100", "1e6"})));
+    folder.write("one.toml", make_sweep_file("[sphere_rays]\nviews = 3\nrays = 16\n" +
+                                             make_axis({"distance", "\"distance\"", "100", "1e6"})));
     folder.write("many.toml",
-                 sweep_of("convention = \"closed\"\n[box_rays]\naim = \"edge\"\nadjoining = true\nviews = 2\n"
-                          "rays = 16\n" +
-                          axis_of({"distance", "\"distance\"", "2", "1000"})));
+                 make_sweep_file("convention = \"closed\"\n[box_rays]\naim = \"edge\"\nadjoining = true\nviews = 2\n"
+                                 "rays = 16\n" +
+                                 make_axis({"distance", "\"distance\"", "2", "1000"})));
     folder.write("march.toml",
-                 sweep_of("[march]\nhit_eps = 0.01\nmax_steps = 40\n[sphere_rays]\nviews = 2\nrays = 8\n" +
-                          axis_of({"distance", "\"distance\", \"march.max_dist\"", "4", "4000"})));
-    folder.write("scene.toml",
-                 sweep_of("scene = \"near-benign\"\n" + axis_of({"radius", "\"sphere[0].radius\"", "0.25", "1"})));
+                 make_sweep_file("[march]\nhit_eps = 0.01\nmax_steps = 40\n[sphere_rays]\nviews = 2\nrays = 8\n" +
+                                 make_axis({"distance", "\"distance\", \"march.max_dist\"", "4", "4000"})));
+    folder.write("scene.toml", make_sweep_file("scene = \"near-benign\"\n" +
+                                               make_axis({"radius", "\"sphere[0].radius\"", "0.25", "1"})));
     CheckResult all;
     for (const auto& [name, forms] :
          std::vector<std::pair<std::string, std::string>>{{"one", "-i sphere.schoolbook -i sphere.press"},
@@ -148,7 +148,7 @@ TEST_CASE("paste: the nearest ray of each outcome of an edge search") {
         CHECK(command.empty() == (table[i].at("found") == "false"));
         if (command.empty()) continue;
         INFO(command);
-        const auto j = explained(command, folder.path());
+        const auto j = run_explain(command, folder.path());
         CHECK(j.at("in_mesh") == table[i].at("outcome"));
         ++pasted;
     }
@@ -197,7 +197,7 @@ rays = [{ origin = [0, 0, -9], direction = [0, 0.3, 1] },
         std::string without = command;
         without.erase(colon, command.find('\'', colon) - colon);
         CAPTURE(command, without);
-        CHECK(explained(without, folder.path()) == explained(command, folder.path()));
+        CHECK(run_explain(without, folder.path()) == run_explain(command, folder.path()));
     }
 }
 
@@ -213,7 +213,7 @@ TEST_CASE("paste: the rays in worst.csv of a search, and the cases of its hard.t
         const auto table = read_csv(folder / "out" / name / "worst.csv");
         REQUIRE(table.size() == 6);
         for (std::size_t i = 0; i < table.size(); ++i) {
-            const Json j = explained(table[i].at("explain"), folder.path());
+            const Json j = run_explain(table[i].at("explain"), folder.path());
             CAPTURE(table[i].at("explain"));
             CHECK(j["outcome"] == table[i].at("outcome"));
             CHECK(hex_in(j["truth"]) == table[i].at("truth_hex"));
@@ -231,14 +231,14 @@ TEST_CASE("paste: the witness of a claim in the message, CSV, JSON and JUnit XML
                       press = tested("sphere.press", "bf16"), all = "case = \"*\"\n";
     folder.write(
         "c.toml",
-        claims_of({{"scene", "scene = \"near-benign\"\n" + tested("sphere.schoolbook", "f64"), ulps},
-                   {"own", "scene = \"world-offset-own\"\n" + press, ulps},
-                   {"wrong", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
-                    metric_in("false_miss", "[-2, -1]")},
-                   {"sweep", "sweep = \"sphere-distance\"\nat = 30\n" + press, ulps},
-                   {"march", "sweep = \"sdf-distance\"\nat = 300\n" + tested("sdf.sphere_trace"), ulps},
-                   {"none", "sweep = \"not-numbers\"\n" + all + unified, metric_in("not_a_number", "[-2, -1]")},
-                   {"case", "sweep = \"scale\"\n" + all + tested("sphere.unified", "f64"), ulps}}));
+        make_claim_file({{"scene", "scene = \"near-benign\"\n" + tested("sphere.schoolbook", "f64"), ulps},
+                         {"own", "scene = \"world-offset-own\"\n" + press, ulps},
+                         {"wrong", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
+                          metric_in("false_miss", "[-2, -1]")},
+                         {"sweep", "sweep = \"sphere-distance\"\nat = 30\n" + press, ulps},
+                         {"march", "sweep = \"sdf-distance\"\nat = 300\n" + tested("sdf.sphere_trace"), ulps},
+                         {"none", "sweep = \"not-numbers\"\n" + all + unified, metric_in("not_a_number", "[-2, -1]")},
+                         {"case", "sweep = \"scale\"\n" + all + tested("sphere.unified", "f64"), ulps}}));
     const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
     REQUIRE(r.code == 1);
     const auto table = read_csv(folder / "c.csv");
@@ -251,7 +251,7 @@ TEST_CASE("paste: the witness of a claim in the message, CSV, JSON and JUnit XML
         CHECK(array[i]["witness_explain"] == command);
         CHECK(has(r.out, "explain it: " + command + "\n"));
         CHECK(has(xml, "\n" + command + "\n"));
-        const Json j = explained(command, folder.path());
+        const Json j = run_explain(command, folder.path());
         const std::string metric = table[i].at("quantity");
         if (metric.find("ulp_error") == std::string::npos) CHECK(j["outcome"] == metric);
         else CHECK(std::fabs(number_in(j["ulp_error"])) == number_in(table[i].at("measured")));

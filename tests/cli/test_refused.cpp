@@ -57,9 +57,9 @@ Files scenes() {
         {"mine.toml", good_scene},
         {"other.toml", good_scene},
         {"scene.toml", good_scene},
-        {"key.toml", spoilt("look_at", "lookat")},
-        {"negative.toml", spoilt("radius = 1", "radius = -1")},
-        {"book.toml", spoilt("title = \"", "title = \"" + std::string(400, 'x'))},
+        {"key.toml", spoil_scene("look_at", "lookat")},
+        {"negative.toml", spoil_scene("radius = 1", "radius = -1")},
+        {"book.toml", spoil_scene("title = \"", "title = \"" + std::string(400, 'x'))},
         {"deep.toml", endless + " = 1\n"},
         {"hole.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nf 1 2 9\n"},
         {"hole.toml", with_mesh("hole.obj")},
@@ -87,11 +87,13 @@ Files scenes() {
         {"outside.toml", with_mesh("outside.gltf")},
         {"thin.toml", scene_text("[[triangle]]\na = [1, 1, 1]\nb = [2, 2, 2]\nc = [3, 3, \"0x1.8000001p1\"]\n")},
         {"boxes.toml",
-         spoilt("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
+         spoil_scene("[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n", "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n")}};
 }
 
 Files sweeps() {
-    const auto spoil = [](const std::string& what, const std::string& by) { return replaced(small_sweep, what, by); };
+    const auto spoil = [](const std::string& what, const std::string& by) {
+        return replace_text(small_sweep, what, by);
+    };
     const std::string head = "schema = \"lostbits-sweep/1\"\ntitle = \"t\"\nsource = \"-\"\n",
                       noted = head + "note = \"-\"\n", every = every_float_to("0x1.6bp10"),
                       one_case = head +
@@ -111,13 +113,13 @@ Files sweeps() {
         {"edges.toml", noted + "[edge_search]\nscene = \"near-bening\"\n"},
         {"family.toml", head + "[sphere_rays]\n[[axis]]\n"},
         {"cases.toml", one_case},
-        {"range.toml", replaced(one_case, "1] }]", "1], tmin = 5, tmax = 4 }]")},
-        {"nan-range.toml", replaced(one_case, "1] }]", "1], tmin = \"nan\" }]")},
+        {"range.toml", replace_text(one_case, "1] }]", "1], tmin = 5, tmax = 4 }]")},
+        {"nan-range.toml", replace_text(one_case, "1] }]", "1], tmin = \"nan\" }]")},
         {"search.toml", search},
         {"bit.toml", search + "metric = \"lost_bit\"\n"},
         {"culprit.toml", search + "metric = \"culprit\"\n"},
         {"every.toml", every},
-        {"bare.toml", replaced(every, "[sphere]", "[sphere_of_nothing]")}};
+        {"bare.toml", replace_text(every, "[sphere]", "[sphere_of_nothing]")}};
 }
 
 /// A .npy file of rays that form a picture of one row.
@@ -166,9 +168,10 @@ Files claims() {
                       missed = metric_in("false_miss_fraction", "[1, 1]"),
                       times = "timing = \"one_ray_many_boxes\"\nkernel = \"scalar\"\ndata = \"l1\"\n" +
                               tested("box.signs") + "over = { kernel = \"128\" }\n";
-    return {{"wide.toml", claims_of({{"a", inside, missed}})},
-            {"twice.toml", claims_of({{"a", inside, missed}, {"a", inside, missed}})},
-            {"t.toml", claims_of({{"t", times, metric_in("speed_ratio", "[1e-3, 1e3]")}}, "profile = \"timing\"\n")}};
+    return {
+        {"wide.toml", make_claim_file({{"a", inside, missed}})},
+        {"twice.toml", make_claim_file({{"a", inside, missed}, {"a", inside, missed}})},
+        {"t.toml", make_claim_file({{"t", times, metric_in("speed_ratio", "[1e-3, 1e3]")}}, "profile = \"timing\"\n")}};
 }
 
 /// The rows of these commands, or of all others.

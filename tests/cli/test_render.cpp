@@ -147,8 +147,9 @@ TEST_CASE("a claim about a rendered picture has its number, and impossible ones 
     const Scratch scratch;
     const auto given = [](const std::string& words) { return words + "\n" + tested("sphere.expanded"); };
     const auto check = [&](const std::string& metric) {
-        const std::string text = claims_of({{"a", given("render = \"raycast-course.pixels\"\nstage = \"visible\""),
-                                             metric_in(metric, "[49152, 49152]")}});
+        const std::string text =
+            make_claim_file({{"a", given("render = \"raycast-course.pixels\"\nstage = \"visible\""),
+                              metric_in(metric, "[49152, 49152]")}});
         return run("check '" + scratch.write("claims.toml", text) + "'");
     };
     CHECK(check("pixels").code == 0);

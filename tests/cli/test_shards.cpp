@@ -278,7 +278,7 @@ TEST_CASE("a killed shard leaves nothing half-written, and resumes with --resume
     const fs::path parts = scratch / "parts";
     const std::string first = "-q -j 1 " + command + " --shard 1/2 -o " + shell_word(parts);
     const fs::path folder = shard_folder(parts, 1, 2);
-    const auto end_by = [&](const std::string& signal) { run(first + ended_after(0.4, signal)); };
+    const auto end_by = [&](const std::string& signal) { run(first + end_after(0.4, signal)); };
     end_by("KILL");
     CHECK_FALSE(fs::exists(folder / "shard.state"));
     end_by("TERM");  // SIGINT is ignored by what a shell starts in the background

@@ -82,9 +82,10 @@ TEST_CASE("a sweep of culprits, cancellation and contributions gives columns, a 
 TEST_CASE("a sweep over a scene changes its numbers by the same overrides as --set") {
     const Scratch scratch;
     const std::string file = scratch.write(
-        "s.toml", sweep_of("scene = \"near-benign\"\n" +
-                           axis_of({"radius", "\"sphere[0].radius\", \"sphere[1].radius\"", "0.25", "1", 4, "linear"}) +
-                           "factors = [1, 0.5]\n"));
+        "s.toml",
+        make_sweep_file("scene = \"near-benign\"\n" +
+                        make_axis({"radius", "\"sphere[0].radius\", \"sphere[1].radius\"", "0.25", "1", 4, "linear"}) +
+                        "factors = [1, 0.5]\n"));
     must("sweep '" + file + "' -i sphere.unified -f f32" + into(scratch, ""));
     const auto samples = read_csv(scratch / "s/samples.csv");
     REQUIRE(samples.size() == 4);
@@ -109,7 +110,7 @@ TEST_CASE("two axes give the product of their steps, and every_float gives every
 
 namespace {
 
-const std::string small_cases = sweep_of(R"([[case]]
+const std::string small_cases = make_sweep_file(R"([[case]]
 name = "one, ahead"
 spheres = [{ centre = [0, 0, 5], radius = 2 }]
 rays = [{ origin = [0, 0, 0], direction = [0, 0, 1] }]
@@ -121,27 +122,27 @@ TEST_CASE("a length that becomes 0 or infinite in a format is reported on stderr
     const Scratch scratch;
     const std::string out = " -q" + into(scratch), loud = out.substr(3);
     const auto said = [&](const std::string& command) { return run(command + loud).err; };
-    const std::string scene = "'" + scratch.write("s.toml", spoilt("radius = 1", "radius = 1e-9")) + "'";
+    const std::string scene = "'" + scratch.write("s.toml", spoil_scene("radius = 1", "radius = 1e-9")) + "'";
     const std::string note = "lostbits: s in fp16: radius = 1e-09 rounds to 0 (sphere[0])\n";
     const std::string unseen =  // as small a sphere lies between the rays
         "lostbits: scene s: no ray of its camera meets a primitive, so every pixel is a miss; check its eye, look_at "
         "and width or fov\n";
     for (const std::string command : {"map ", "render "}) {
-        const std::string asked = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
-        CHECK(said(asked) == note + (command == "map " ? unseen : ""));
-        CHECK(run(asked + out).err.empty());
+        const std::string whole_command = command + scene + " --size 8x8 -i sphere.press -f f32 -f fp16 -f bf16";
+        CHECK(said(whole_command) == note + (command == "map " ? unseen : ""));
+        CHECK(run(whole_command + out).err.empty());
     }
     CHECK(run("explain " + scene + " --pixel 1,1 -i sphere.press -f fp16").err == note);
 
     const std::string sweep =
-        scratch.write("w.toml", sweep_of("[sphere_rays]\nviews = 2\nrays = 2\n" +
-                                         axis_of({"size", "\"radius\"", "\"0x1p-30\"", "\"0x1p-22\"", 9})));
+        scratch.write("w.toml", make_sweep_file("[sphere_rays]\nviews = 2\nrays = 2\n" +
+                                                make_axis({"size", "\"radius\"", "\"0x1p-30\"", "\"0x1p-22\"", 9})));
     // 2^-25 ties to 0, and the five steps below it are 0 as well; the two views of a step are one place.
     CHECK(said("sweep '" + sweep + "' -i sphere.press -f fp16 -f f32") ==
           "lostbits: w in fp16: radius = 9.31323e-10 rounds to 0 (size = 9.313225746154785e-10; 6 in all)\n");
 
     const auto cases = [&](const std::string& radius) {
-        const std::string text = replaced(small_cases, "radius = 2", "radius = " + radius);
+        const std::string text = replace_text(small_cases, "radius = 2", "radius = " + radius);
         return said("sweep '" + scratch.write("c.toml", text) + "' -i sphere.press -f fp16 -f f32");
     };
     CHECK(cases("1e-9") == "lostbits: c in fp16: radius = 1e-09 rounds to 0 (case \"one, ahead\")\n");

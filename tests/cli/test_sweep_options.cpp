@@ -10,7 +10,7 @@ using namespace lostbits::test;
 
 namespace {
 
-std::string with_steps(int n) { return replaced(small_sweep, "steps = 20", "steps = " + std::to_string(n)); }
+std::string with_steps(int n) { return replace_text(small_sweep, "steps = 20", "steps = " + std::to_string(n)); }
 
 }  // namespace
 
@@ -88,10 +88,11 @@ TEST_CASE("an onset read from the last step equals that of the reversed sweep") 
 TEST_CASE("a sweep reports where a form first hits the wrong primitive, as its steps show") {
     const Scratch scratch;
     scratch.write("two.toml", good_scene + "[[sphere]]\ncentre = [0, 0, 0.0078125]\nradius = 1\n");
-    scratch.write("s.toml",
-                  sweep_of("scene = \"two.toml\"\n" + axis_of({"eye_z", "\"camera.eye[2]\"", "4", "1024", 9}) +
-                           "[[mark]]\nat = 8\nlabel = \"the wrong one\"\nmeasured = { form = \"sphere.schoolbook\", "
-                           "event = \"wrong_primitive\", threshold = 1 }\n"));
+    scratch.write(
+        "s.toml",
+        make_sweep_file("scene = \"two.toml\"\n" + make_axis({"eye_z", "\"camera.eye[2]\"", "4", "1024", 9}) +
+                        "[[mark]]\nat = 8\nlabel = \"the wrong one\"\nmeasured = { form = \"sphere.schoolbook\", "
+                        "event = \"wrong_primitive\", threshold = 1 }\n"));
     must("sweep s.toml -i sphere.schoolbook -f f32,f64 -q -o .", scratch.path());
     double first = 0;  // the first step with a wrong primitive
     for (const auto& step : read_csv(scratch / "s/samples.csv")) {
@@ -127,8 +128,9 @@ TEST_CASE("a sweep: --steps, --set and --size change the part they name, and the
     CHECK(has(contents(scratch / "a/s/datapackage.json"),
               "A test (--steps 3, --set rays=5, --set sphere_rays.views=2, --set axis[0].to=8)"));
 
-    scratch.write("scene.toml", sweep_of("scene = \"near-benign\"\n" +
-                                         axis_of({"radius", "\"sphere[0].radius\"", "0.25", "1", 4, "linear"})));
+    scratch.write("scene.toml",
+                  make_sweep_file("scene = \"near-benign\"\n" +
+                                  make_axis({"radius", "\"sphere[0].radius\"", "0.25", "1", 4, "linear"})));
     const auto scene = [&](const std::string& options) {
         return run("sweep scene.toml -i sphere.unified -f f32 -q " + options, scratch.path());
     };
@@ -146,7 +148,7 @@ TEST_CASE("a sweep: --steps, --set and --size change the part they name, and the
 TEST_CASE("an interrupted sweep reports where it was and what is kept") {
     const Scratch scratch;
     scratch.write("s.toml", with_steps(4000));
-    const auto r = run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out" + ended_after(1.5, "TERM"),
+    const auto r = run("sweep s.toml --set views=64 -i sphere.unified -f f32 -j 1 -o out" + end_after(1.5, "TERM"),
                        scratch.path(), "set -m; ");
     CHECK(r.code == 130);
     CHECK(has(r.err, "interrupted in the steps of s: the results of this sweep are lost"));

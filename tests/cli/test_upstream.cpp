@@ -53,7 +53,7 @@ bool installed(const Scratch& scratch, const std::string& command, const std::st
 void hold(std::size_t half) {
     const auto all = letters();
     for (std::size_t i = half; i < all.size(); i += is_long() ? 2 : 8) {
-        const auto blocks = blocks_in(contents(all[i]));
+        const auto blocks = find_blocks(contents(all[i]));
         INFO(all[i].filename().string());
         REQUIRE(blocks.size() == 4);
         const bool script = blocks[0].language == "js";
@@ -85,7 +85,7 @@ TEST_CASE("every defect of a library has a report file, and every report file be
     for (auto at = defects.find("\n### "); at != std::string::npos; ++sections) {
         const auto next = defects.find("\n### ", at + 1);
         const std::string section = defects.substr(at, next - at);
-        INFO(lines_of(section).at(1));
+        INFO(split_lines(section).at(1));
         const std::size_t before = linked.size();
         for (auto m = std::sregex_iterator(section.begin(), section.end(), link); m != std::sregex_iterator(); ++m)
             linked.insert((*m)[1]);
@@ -106,7 +106,7 @@ TEST_CASE("a report file for authors has a place, a program under 30 lines, its 
         CHECK(text.starts_with("# "));
         CHECK(std::regex_search(text, place));
         CHECK_FALSE(std::regex_search(text, ours));
-        const auto blocks = blocks_in(text);
+        const auto blocks = find_blocks(text);
         REQUIRE(blocks.size() == 4);
         CHECK((blocks[0].language == "cpp" || blocks[0].language == "js"));
         CHECK(blocks[0].lines.size() < 30);

@@ -188,7 +188,7 @@ void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<c
                                  : decide_columns<float>(named, options, problems, hits);
 }
 
-std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are() {
+std::vector<std::pair<std::string_view, std::size_t>> all_shapes() {
     std::vector<std::pair<std::string_view, std::size_t>> all;
     for (const ShapeRow& row : shape_rows) all.emplace_back(row.name, row.number_count);
     return all;

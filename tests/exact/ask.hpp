@@ -30,6 +30,6 @@ void decide(std::string_view shape, TruthRoute route, bool with_rim, std::span<c
             std::vector<std::uint8_t>& hits);
 
 /// The shapes of lostbits, and the count of numbers of a primitive of each shape.
-std::vector<std::pair<std::string_view, std::size_t>> shapes_there_are();
+std::vector<std::pair<std::string_view, std::size_t>> all_shapes();
 
 }  // namespace lostbits::exact

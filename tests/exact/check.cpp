@@ -91,7 +91,7 @@ Findings check(const ShapeTest& shape, std::span<const Problem> problems, std::s
             ++found.exactly, has_no_first = false;
             fault = fault_of(meet(shape.exactly, problems[i]), answers[i], tightness, 0);
         }
-        ++found.asked;
+        ++found.ray_count;
         found.hits += answers[i].hit;
         if (has_no_first) fault = Fault::none;
         if (fault != Fault::none && found.differ++ == 0) found.first = i, found.fault = fault;

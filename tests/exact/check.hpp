@@ -25,7 +25,7 @@ const char* words_of(Fault fault);
 /// Findings about some answers. The quick check accepts a t whose error is at most 2^-80 of t, or at most the bound of
 /// the answer if that is wider.
 struct Findings {
-    std::size_t asked = 0, hits = 0;
+    std::size_t ray_count = 0, hits = 0;
     std::size_t exactly = 0;    ///< that were decided without an error
     std::size_t differ = 0;     ///< that are wrong
     std::size_t first = 0;      ///< the place of the first of those

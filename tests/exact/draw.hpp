@@ -30,12 +30,12 @@ double stored(double x) {
 }
 
 /// Number of rays: LOSTBITS_EXACT_RAYS, or the default.
-inline std::size_t rays_or(std::size_t usual) {
-    const char* const asked = std::getenv("LOSTBITS_EXACT_RAYS");
-    return asked ? std::strtoull(asked, nullptr, 10) : usual;
+inline std::size_t ray_count_or(std::size_t usual) {
+    const char* const text = std::getenv("LOSTBITS_EXACT_RAYS");
+    return text ? std::strtoull(text, nullptr, 10) : usual;
 }
-/// True if it says so: then what was asked is told.
-inline bool are_rays_asked() { return std::getenv("LOSTBITS_EXACT_RAYS") != nullptr; }
+/// True if the environment gives the number of rays; the tests then print their counts.
+inline bool is_ray_count_given() { return std::getenv("LOSTBITS_EXACT_RAYS") != nullptr; }
 
 /// Open ends of the ranges of a batch.
 struct Ends {

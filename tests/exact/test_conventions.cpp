@@ -213,20 +213,20 @@ private:
     /// that comes from outside.
     void hold(const ShapeTest& shape, const Problem& problem, bool with_rim, bool right) {
         const GivenProblem given(shape, problem);
-        Convention asked(with_rim ? Touching::hit : Touching::miss);
+        Convention convention(with_rim ? Touching::hit : Touching::miss);
         INFO(paste(shape, problem, {.hit = right}) << (with_rim ? "" : ", open"));
-        REQUIRE(given.truth(asked).is_hit() == right);
+        REQUIRE(given.truth(convention).is_hit() == right);
         (with_rim ? of_closed : of_open) += right;
         if (is_flat(given.primitive.shape)) {
             int sides = 0;
             for (const auto facing : {intersect::Facing::front, intersect::Facing::back})
-                asked.facing = facing, sides += given.truth(asked).is_hit();
+                convention.facing = facing, sides += given.truth(convention).is_hit();
             REQUIRE(sides == right);
         }
         if (problem.tmin > 0 || !has_inside(given.primitive.shape) || shape.name == "torus") return;
         for (const Inside inside : {Inside::zero, Inside::miss}) {
-            asked.inside = inside;
-            REQUIRE(given.truth(asked).is_hit() == right);
+            convention.inside = inside;
+            REQUIRE(given.truth(convention).is_hit() == right);
         }
     }
 };
@@ -283,7 +283,7 @@ TEST_CASE("exact: a ray through an excluded rim of a tube hits the far wall", "[
 
 TEST_CASE("exact: t in formats of few bits is the nearest number, or the even one of two", "[exact]") {
     for (const ShapeTest& shape : shapes) {
-        std::size_t asked = 0, ties = 0;
+        std::size_t ray_count = 0, ties = 0;
         Chance chance(11);
         for (Problem p : whole_problems(shape, test::draws(std::size_t{6000}))) {
             // From so far away that t has a few bits more than the formats have.
@@ -306,11 +306,11 @@ TEST_CASE("exact: t in formats of few bits is the nearest number, or the even on
                 REQUIRE((above >= 0 && below <= 0));
                 const bool is_tie = above == 0 || below == 0;
                 REQUIRE((!is_tie || std::fmod(t / step, 2) == 0));
-                ++asked, ties += is_tie;
+                ++ray_count, ties += is_tie;
             }
         }
-        INFO(shape.name << ": asked " << asked << ", ties " << ties);
-        CHECK(asked > 100);
+        INFO(shape.name << ": asked " << ray_count << ", ties " << ties);
+        CHECK(ray_count > 100);
         CHECK(ties > 0);
     }
 }

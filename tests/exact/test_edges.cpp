@@ -21,14 +21,14 @@ const ShapeTest& triangle = shapes[2];
 constexpr std::size_t each_wholly = 64;
 
 struct Tally {
-    std::size_t asked = 0, hits = 0, edges = 0, vertices = 0, begin = 0, differ = 0, by[3] = {};
+    std::size_t ray_count = 0, hits = 0, edges = 0, vertices = 0, begin = 0, differ = 0, by[3] = {};
     std::string first;
 
     void add(const std::vector<Problem>& problems, const std::vector<std::uint8_t>& hit, bool with_rim = true) {
         for (std::size_t i = 0; i < problems.size(); ++i) {
             const PassingRay right = pass(problems[i]);
             const int touched = right.touched();
-            ++asked, ++by[right.by];
+            ++ray_count, ++by[right.by];
             hits += hit[i], edges += touched == 1, vertices += touched == 2, begin += right.meets() && right.ahead == 0;
             const bool is_met = right.meets() && (with_rim || touched == 0);
             if (is_met != (hit[i] != 0) && differ++ == 0)
@@ -37,7 +37,7 @@ struct Tally {
     }
     [[nodiscard]] std::string words() const {
         std::ostringstream text;
-        text << asked << " rays, " << hits << " hits, " << edges << " of them on an edge, " << vertices
+        text << ray_count << " rays, " << hits << " hits, " << edges << " of them on an edge, " << vertices
              << " at a vertex, " << begin << " where the ray begins; judged in two words " << by[0] << ", in four "
              << by[1] << ", in any number " << by[2];
         return text.str();
@@ -58,7 +58,7 @@ Tally ask_rays(std::initializer_list<TruthRoute> ways, std::size_t rays, std::ui
     Chance chance(seed);
     std::vector<Problem> problems(batch);
     std::vector<std::uint8_t> hit;
-    for (std::size_t round = 0; tally.asked < rays; ++round)
+    for (std::size_t round = 0; tally.ray_count < rays; ++round)
         for (const TruthRoute way : ways) {
             draw_at_edges(way != TruthRoute::doubles, chance, problems);
             decide(triangle.name, way, true, problems, hit);
@@ -71,20 +71,20 @@ Tally ask_rays(std::initializer_list<TruthRoute> ways, std::size_t rays, std::ui
 void hold(const Tally& tally) {
     INFO(tally.words() << "\n" << tally.first);
     CHECK(tally.differ == 0);
-    CHECK(tally.hits > tally.asked / 4);
-    CHECK(tally.hits < tally.asked * 3 / 4);
-    CHECK(tally.edges > tally.asked / 200);
-    CHECK(tally.vertices > tally.asked / 500);
-    CHECK(tally.begin > tally.asked / 2000);
+    CHECK(tally.hits > tally.ray_count / 4);
+    CHECK(tally.hits < tally.ray_count * 3 / 4);
+    CHECK(tally.edges > tally.ray_count / 200);
+    CHECK(tally.vertices > tally.ray_count / 500);
+    CHECK(tally.begin > tally.ray_count / 2000);
     for (const std::size_t some : tally.by) CHECK(some > 0);
-    if (are_rays_asked()) WARN(tally.words());
+    if (is_ray_count_given()) WARN(tally.words());
 }
 
 }  // namespace
 
 TEST_CASE("exact: rays at edges and vertices of triangles are decided exactly", "[exact][edges]") {
-    hold(ask_rays({TruthRoute::floats_for_ulps, TruthRoute::floats}, rays_or(200'000), 21));
-    hold(ask_rays({TruthRoute::doubles}, are_rays_asked() ? rays_or(0) / 100 : 20'000, 22));
+    hold(ask_rays({TruthRoute::floats_for_ulps, TruthRoute::floats}, ray_count_or(200'000), 21));
+    hold(ask_rays({TruthRoute::doubles}, is_ray_count_given() ? ray_count_or(0) / 100 : 20'000, 22));
 }
 
 /// The two questions differ only in whether the rim belongs to the triangle.

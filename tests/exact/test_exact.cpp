@@ -23,13 +23,13 @@ constexpr std::size_t each_exactly = 1000;
 
 /// Counts for rays of one kind.
 struct Tally {
-    std::size_t asked = 0, hits = 0, exactly = 0;
+    std::size_t ray_count = 0, hits = 0, exactly = 0;
 
     void ask_some(const ShapeTest& shape, TruthRoute way, std::vector<Problem>& problems) {
         static std::vector<Answer> answers;
         ask(shape.name, way, problems, answers);
         const Findings found = check(shape, problems, answers, tightness_of(way), each_exactly);
-        asked += found.asked, hits += found.hits, exactly += found.exactly;
+        ray_count += found.ray_count, hits += found.hits, exactly += found.exactly;
         INFO("way " << static_cast<int>(way) << ": " << words_of(found.fault) << "\n"
                     << paste(shape, problems[found.first], answers[found.first]));
         REQUIRE(found.differ == 0);
@@ -44,7 +44,7 @@ Tally ask_all(const ShapeTest& shape, std::size_t rays, std::uint64_t seed, std:
     Chance chance(seed);
     std::vector<Problem> problems(batch);
     std::size_t round = 0;
-    while (tally.asked < rays)
+    while (tally.ray_count < rays)
         for (const TruthRoute way : ways) {
             const Ends ends{.open_tmin = round % 2 == 1, .open_tmax = round / 2 % 2 == 1};
             draw(shape, way == TruthRoute::floats || way == TruthRoute::floats_for_ulps, ends, chance, problems);
@@ -77,26 +77,26 @@ void hold(const ShapeTest& shape, std::size_t rays, const Random& draw_random, c
     for (const auto& [name, tally] : {std::pair("random", random), std::pair("made", made), std::pair("alone", one),
                                       std::pair("interface", through)}) {
         std::ostringstream counts;
-        counts << shape.name << ", " << name << ": " << tally.asked << " rays, " << tally.hits << " hits, "
+        counts << shape.name << ", " << name << ": " << tally.ray_count << " rays, " << tally.hits << " hits, "
                << tally.exactly << " without an error";
         INFO(counts.str());
-        CHECK(tally.hits > tally.asked / 20);
-        CHECK(tally.hits < tally.asked);
-        if (are_rays_asked()) WARN(counts.str());
+        CHECK(tally.hits > tally.ray_count / 20);
+        CHECK(tally.hits < tally.ray_count);
+        if (is_ray_count_given()) WARN(counts.str());
     }
 }
 
-void hold(const ShapeTest& shape) { hold(shape, rays_or(40'000), draw_random, draw_made, draw_random); }
+void hold(const ShapeTest& shape) { hold(shape, ray_count_or(40'000), draw_random, draw_made, draw_random); }
 
 void hold_transformed(const ShapeTest& shape) {
-    hold(shape, rays_or(12'000), transformed(draw_random, place_at_random), transformed(draw_made, place_as_made),
+    hold(shape, ray_count_or(12'000), transformed(draw_random, place_at_random), transformed(draw_made, place_as_made),
          transformed(draw_random, place_at_random, false));
 }
 
 }  // namespace
 
 TEST_CASE("exact: every shape is tested here", "[exact]") {
-    const auto there = shapes_there_are();
+    const auto there = all_shapes();
     REQUIRE(there.size() == shapes.size());
     for (const auto& [name, numbers] : there) {
         INFO(name);

@@ -26,7 +26,7 @@ namespace {
 using intersect::DecidingArithmetic, intersect::simd::Isa, intersect::table::Intersector, intersect::table::Kernel;
 
 constexpr std::size_t batch = 2000;
-std::size_t rays_of_each() { return rays_or(4'000); }
+std::size_t rays_of_each() { return ray_count_or(4'000); }
 
 constexpr bool has_own_steps(Shape shape) { return shape <= Shape::triangle; }
 
@@ -108,7 +108,7 @@ Kernel<F> kernel_of(const Intersector& form, Isa isa) {
 }
 
 struct Tally {
-    std::size_t asked = 0, hits = 0, wrong = 0, endless = 0, differ = 0, first_batch = 0;
+    std::size_t ray_count = 0, hits = 0, wrong = 0, endless = 0, differ = 0, first_batch = 0;
     std::array<std::size_t, 4> ways{};  ///< of the first batch, which is asked again for it
     std::string first;
 
@@ -156,7 +156,7 @@ template <class F, class Draw>
 Tally ask_all(const Intersector& form, const ShapeTest& shape, std::size_t rays, const Draw& draw) {
     Tally tally;
     std::vector<Problem> problems(std::min(batch, rays));
-    while (tally.asked < rays) {
+    while (tally.ray_count < rays) {
         draw(problems);
         std::vector<Primitive<F>> primitives;
         for (Problem& problem : problems) {
@@ -164,13 +164,13 @@ Tally ask_all(const Intersector& form, const ShapeTest& shape, std::size_t rays,
             if (!takes_tmax(form.shape)) problem.tmax = INFINITY;
             primitives.push_back(primitive_of<F>(form, problem));
         }
-        if (tally.asked == 0) add_ways<F>(form, problems, tally);
+        if (tally.ray_count == 0) add_ways<F>(form, problems, tally);
         const CheckedForm all(form, sizeof(F) == 4 ? binary32 : binary64, problems,
                               ask<F>(kernel_of<F>(form, Isa::scalar), problems, primitives));
         const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 200);
         if (tally.wrong == 0 && f.differ > 0) tally.first = all.words_of_first(shape, f);
         tally.hits += all.hits, tally.endless += all.endless;
-        tally.wrong += f.differ, tally.asked += problems.size();
+        tally.wrong += f.differ, tally.ray_count += problems.size();
         for (std::size_t i = 0; i < problems.size(); i += 16) tally.differ += differing<F>(form, problems[i]);
     }
     return tally;
@@ -179,7 +179,7 @@ Tally ask_all(const Intersector& form, const ShapeTest& shape, std::size_t rays,
 template <class F>
 std::string words_of(const Intersector& form, const Tally& tally) {
     std::ostringstream counts;
-    counts << form.info->name << " in " << 8 * sizeof(F) << " bits: " << tally.asked << " rays, " << tally.hits
+    counts << form.info->name << " in " << 8 * sizeof(F) << " bits: " << tally.ray_count << " rays, " << tally.hits
            << " hits, of which " << tally.endless << " at infinity; of the first " << tally.first_batch
            << " in its own arithmetic " << tally.ways[0] << ", wider " << tally.ways[1] << ", two words "
            << tally.ways[2] << ", exact " << tally.ways[3];
@@ -223,11 +223,11 @@ void hold(bool made) {
         CHECK((tally.ways[1] > 0) == (sizeof(F) == 4));
         const auto* const row = std::ranges::find(least, shape.name, &Shares::shape);
         REQUIRE(row != least.end());
-        CHECK(1000 * tally.hits >= (made ? row->hits : row->random_hits) * tally.asked);
+        CHECK(1000 * tally.hits >= (made ? row->hits : row->random_hits) * tally.ray_count);
         CHECK(tally.go_some(DecidingArithmetic::own, made ? row->own : row->random_own));
         CHECK((!made || tally.go_some(DecidingArithmetic::two_words, row->two_words)));
         CHECK((!made || sizeof(F) == 4 || tally.go_some(DecidingArithmetic::exact, row->exact)));
-        if (are_rays_asked()) WARN(counts);
+        if (is_ray_count_given()) WARN(counts);
     });
 }
 
@@ -242,7 +242,7 @@ TEMPLATE_TEST_CASE("exact: filters decide right where two values are exactly equ
     hold<TestType>(true);
 }
 
-TEMPLATE_TEST_CASE("exact: the filter of tori decides right if touched in one point, without a hole and at any size",
+TEMPLATE_TEST_CASE("exact: the filter of tori decides right at tangent points, for tori without a hole and at any size",
                    "[exact][filtered]", float, double) {
     const Intersector& form = *std::ranges::find(intersect::table::catalogue(), "torus.filtered",
                                                  [](const Intersector& row) { return row.info->name; });
@@ -259,9 +259,9 @@ TEMPLATE_TEST_CASE("exact: the filter of tori decides right if touched in one po
         INFO(kind << ": " << counts << "; " << tally.first);
         CHECK(tally.wrong == 0);
         CHECK(tally.differ == 0);
-        CHECK(tally.hits > tally.asked / 50);
+        CHECK(tally.hits > tally.ray_count / 50);
         CHECK(tally.ways[3] > (any_size ? 0 : tally.first_batch / 10));
-        if (are_rays_asked()) WARN(kind << ": " << counts);
+        if (is_ray_count_given()) WARN(kind << ": " << counts);
     }
 }
 
@@ -296,17 +296,17 @@ TEST_CASE("exact: filters decide right and keep their bits in p16 and fp16", "[e
             const FloatFormat format = find_format(name)->parameters;
             const auto is_held = [&](double x) { return std::fabs(x) < 64 && rounding::to_format(x, 0, format) == x; };
             Chance chance(5);
-            std::vector<Problem> some(batch), asked;
+            std::vector<Problem> some(batch), held_problems;
             std::vector<Primitive<double>> primitives;
             draw_made(shape, true, {}, chance, some);
             for (Problem& problem : some) {
                 problem.tmin = 0, problem.tmax = INFINITY;
                 if (!std::ranges::all_of(problem.ray, is_held) || !std::ranges::all_of(problem.primitive, is_held))
                     continue;
-                asked.push_back(problem), primitives.push_back(primitive_of<double>(form, problem));
+                held_problems.push_back(problem), primitives.push_back(primitive_of<double>(form, problem));
             }
             const auto in_format = [&](const auto&... batch_of) { form.rounded(format, batch_of...); };
-            const CheckedForm all(form, format, asked, ask<double>(in_format, asked, primitives));
+            const CheckedForm all(form, format, held_problems, ask<double>(in_format, held_problems, primitives));
             const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 20);
             INFO(form.info->name << " in " << name << ": " << all.problems.size() << " rays, " << all.hits << " hits; "
                                  << all.words_of_first(shape, f));

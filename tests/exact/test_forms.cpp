@@ -105,21 +105,22 @@ std::optional<Real> number_of(const Interval& x) {
     return high - low <= ldexp(abs(high) + 1, -200) ? std::optional(high) : std::nullopt;
 }
 
-/// `size`: the number by which t is divided.
+/// Divides t by `divisor`.
 template <class T>
-UnroundedForm told(const Hit<T>& hit, const T& size) {
+UnroundedForm to_unrounded(const Hit<T>& hit, const T& divisor) {
     if (!is_certain(hit.hit) && !is_certain(!hit.hit)) return {};
-    return {is_certain(hit.hit), number_of(hit.t / size), number_of(hit.near / size), number_of(hit.far / size)};
+    return {is_certain(hit.hit), number_of(hit.t / divisor), number_of(hit.near / divisor),
+            number_of(hit.far / divisor)};
 }
 
 /// `made_unit`: for the normalised direction, in lengths of the stored direction.
 template <class T, class Form>
 UnroundedForm unrounded_in(const Problem& problem, bool made_unit, const Form& form) {
     Ray<T> ray = ray_of<T>(problem);
-    if (!made_unit) return told(form(ray), T(1));
+    if (!made_unit) return to_unrounded(form(ray), T(1));
     const T size = length(ray.direction);
     for (int k = 0; k < 3; ++k) ray.direction[k] = ray.direction[k] / size;
-    return told(form(ray), size);
+    return to_unrounded(form(ray), size);
 }
 
 /// Computes a form without rounding. Enclosures do not decide solvers of degree four, so forms of tori are computed in
@@ -143,7 +144,7 @@ UnroundedForm unrounded(const Intersector& form, const ShapeTest& shape, const P
 }
 
 struct Tally {
-    std::size_t asked = 0, hits = 0;
+    std::size_t ray_count = 0, hits = 0;
     std::vector<Problem> problems;
     std::vector<Answer> answers;
 
@@ -175,7 +176,7 @@ bool is_requested(const intersect::Info& form, const ShapeTest& shape, const Pro
 void ask(const Intersector& form, const ShapeTest& shape, const Problem& problem, Tally& tally) {
     const UnroundedForm h = unrounded(form, shape, problem, form.info->direction == Direction::unit);
     if (!h.hit || (*h.hit && !h.t)) return;
-    ++tally.asked, tally.hits += *h.hit;
+    ++tally.ray_count, tally.hits += *h.hit;
     tally.add(problem, answer_of(*h.hit, h.t.value_or(Real(0))));
     if (!*h.hit || form.info->roots != Roots::both || !h.far || form.info->name == "box.max_mult")
         return;  // which pads it
@@ -207,8 +208,8 @@ bool contains(const E& x, const Real& v) {
 struct Enclosures {
     bool by_other_steps;  ///< than without rounding: t of a miss is another
     std::size_t wrong = 0, contradictory = 0, bounded = 0;
-    std::array<std::size_t, 2> asked{}, decided{};  ///< misses and hits
-    std::size_t doubles = 0;                        ///< that intervals of 53 bits were held against
+    std::array<std::size_t, 2> ray_count{}, decided{};  ///< misses and hits
+    std::size_t doubles = 0;                            ///< that intervals of 53 bits were held against
 
     template <class E>
     void hold(const Hit<E>& got, const UnroundedForm& want, std::optional<bool>& verdict) {
@@ -261,7 +262,7 @@ struct Enclosures {
             if (bits == 53) hold_double(row, p, primitive_of(shape, p), got);
         }
         const bool hit = want.hit ? *want.hit : meet(shape.quickly, p).is_hit();
-        ++asked[hit], decided[hit] += verdict.has_value();
+        ++ray_count[hit], decided[hit] += verdict.has_value();
     }
 };
 
@@ -297,17 +298,17 @@ TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]"
             for (const std::vector<Problem>* const all : {&random, &made})
                 for (const Problem& problem : *all)
                     if (is_requested(*form.info, shape, problem, all == &made)) ask(form, shape, problem, tally);
-            if (tally.asked == 0) continue;
+            if (tally.ray_count == 0) continue;
             const Findings f = check(shape, tally.problems, tally.answers, 1, 50);
-            INFO(form.info->name << ": asked " << tally.asked << ", hits " << tally.hits << "; differ " << f.differ
+            INFO(form.info->name << ": asked " << tally.ray_count << ", hits " << tally.hits << "; differ " << f.differ
                                  << " " << words_of(f.fault) << "\n"
                                  << paste(shape, tally.problems[f.first], tally.answers[f.first]));
             CHECK(f.differ == 0);
             // The two lists have 2 count problems. Half of them are hits; for forms that see one side of a triangle,
             // half of these.
-            CHECK(tally.asked > count * 3 / 4);
-            CHECK(10 * tally.hits > tally.asked * (form.info->facing == Facing::both ? 4U : 2U));
-            CHECK(tally.hits < tally.asked);
+            CHECK(tally.ray_count > count * 3 / 4);
+            CHECK(10 * tally.hits > tally.ray_count * (form.info->facing == Facing::both ? 4U : 2U));
+            CHECK(tally.hits < tally.ray_count);
         }
     }
 }
@@ -324,15 +325,15 @@ TEST_CASE("exact: enclosures of every form contain its unrounded result", "[exac
         for (const Intersector& form : intersect::table::intersectors(*shape_named(shape.name))) {
             Enclosures e{.by_other_steps = form.info->name == "torus.filtered"};
             for (const Problem& problem : problems) e.ask(form, shape, problem);
-            INFO(form.info->name << ": decided " << e.decided[1] << " of " << e.asked[1] << " hits and " << e.decided[0]
-                                 << " of " << e.asked[0] << " misses, bounded " << e.bounded << ", doubles "
-                                 << e.doubles);
+            INFO(form.info->name << ": decided " << e.decided[1] << " of " << e.ray_count[1] << " hits and "
+                                 << e.decided[0] << " of " << e.ray_count[0] << " misses, bounded " << e.bounded
+                                 << ", doubles " << e.doubles);
             CHECK(e.wrong == 0);
             CHECK(e.contradictory == 0);
             const Decided least = min_decided(form.info->name);
-            CHECK(100 * e.decided[1] >= least.hits * e.asked[1]);
-            CHECK(100 * e.decided[0] >= least.misses * e.asked[0]);
-            CHECK((e.asked[0] > 0 && e.asked[1] > 0));
+            CHECK(100 * e.decided[1] >= least.hits * e.ray_count[1]);
+            CHECK(100 * e.decided[0] >= least.misses * e.ray_count[0]);
+            CHECK((e.ray_count[0] > 0 && e.ray_count[1] > 0));
         }
     }
 }

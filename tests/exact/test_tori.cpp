@@ -64,22 +64,22 @@ TEST_CASE("Sturm chains miss a torus that a line in the plane of its top passes"
     const auto whole = [&rng](double low, double high) { return std::floor(rng.uniform(low, high)); };
     for (int i = 0; i < 300; ++i)
         rays.push_back({{whole(-2000, 2000), whole(-2000, 2000), 450}, {whole(-9, 9), whole(1, 9), 0}});
-    int asked = 0;
+    int ray_count = 0;
     for (const Ray<double>& ray : rays) {
         if (find_truth(ray, Primitive<double>(torus)).is_hit()) continue;
         REQUIRE(roots_of(ray, torus).second == 0);
-        ++asked;
+        ++ray_count;
         CHECK_FALSE(unrounded<intersect::torus::SturmTorus>(ray, torus).hit);
         CHECK_FALSE(unrounded<intersect::torus::Bracketed>(ray, torus).hit);
         CHECK_FALSE(unrounded<intersect::torus::FilteredTorus>(ray, torus).hit);
     }
-    CHECK(asked > 100);
+    CHECK(ray_count > 100);
 }
 
 TEST_CASE("Sturm chains find the wall of a torus from its planes of symmetry", "[intersect][torus]") {
     // The quartic is n x⁴ + p x² + r, so that numbers of the chain are 0 where the ray begins.
     const Torus<double> torus{{0, 0, 0}, {0, 0, 1}, 1.25, 0.75};
-    int asked = 0;
+    int ray_count = 0;
     for (const double x : {0.625, 0.75, 1.0, 1.25, 1.5, 1.875}) {
         for (const Vec<double>& d : {Vec<double>(0, 0, 1), Vec<double>(0, 0, -1), Vec<double>(0, 1, 0)}) {
             const Ray<double> ray{{x, 0, 0}, d};
@@ -93,16 +93,16 @@ TEST_CASE("Sturm chains find the wall of a torus from its planes of symmetry", "
             };
             check(unrounded<intersect::torus::SturmTorus>(ray, torus));
             check(unrounded<intersect::torus::Bracketed>(ray, torus));
-            ++asked;
+            ++ray_count;
         }
     }
-    REQUIRE(asked == 18);
+    REQUIRE(ray_count == 18);
 }
 
 TEST_CASE("an absolute threshold makes Quilez's torus wrong without rounding", "[intersect][torus][formula]") {
     // Through the tiny hole of a torus: where |d1| < 1e-4 the root of d1 is treated as 0.
     test::Seeded rng(0x7051);
-    int asked = 0, off = 0;
+    int ray_count = 0, off = 0;
     double most = 0;
     for (int i = 0; i < 300; ++i) {
         const Torus<double> torus{rng.vec(-1, 1), rng.vec(-1, 1), 1, rng.uniform(0.5, 0.95)};
@@ -112,12 +112,12 @@ TEST_CASE("an absolute threshold makes Quilez's torus wrong without rounding", "
         const Truth truth = find_truth(ray, Primitive<double>(torus));
         const Hit<Real> h = unrounded<intersect::torus::QuilezTorus>(ray, torus);
         if (!truth.is_hit() || !h.hit) continue;
-        ++asked;
+        ++ray_count;
         const double t = std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
         const double wrong = std::fabs(h.t.convert_to<double>() - t) / t;
         off += wrong > 1e-6, most = std::max(most, wrong);
     }
-    CHECK(asked > 50);
+    CHECK(ray_count > 50);
     CHECK(off > 3);
     CHECK(most > 0.001);
     CHECK(most < 0.1);
@@ -126,7 +126,7 @@ TEST_CASE("an absolute threshold makes Quilez's torus wrong without rounding", "
 TEST_CASE("half an ulp in each number moves t of a torus by no more than its reach", "[truth][torus]") {
     test::Seeded rng(0x706);
     Chance chance(9);
-    int asked = 0, wide = 0;
+    int ray_count = 0, wide = 0;
     double share = 0;
     const auto moved = [&rng](double x) {
         const double ulp = x == 0 ? 0 : std::ldexp(1.0, std::max(std::ilogb(x), -126) - 24);
@@ -155,12 +155,12 @@ TEST_CASE("half an ulp in each number moves t of a torus by no more than its rea
                 const double allowed = std::ldexp(reach, -static_cast<int>(truth.t.exponent));
                 INFO(made);
                 REQUIRE(apart <= allowed);
-                ++asked, wide += std::isinf(allowed) && !made;
+                ++ray_count, wide += std::isinf(allowed) && !made;
                 if (!made) share = std::max(share, apart / allowed);
             }
         }
     }
-    CHECK(asked > 500);
+    CHECK(ray_count > 500);
     CHECK(wide == 0);
     CHECK(share > 0.1);
 }

@@ -26,7 +26,7 @@ inline std::map<std::string, std::string> row_of(const std::filesystem::path& su
 }
 
 /// Output of `plugin check` for a form in floats.
-inline std::string finding_of(const Outcome& checked, const std::string& form) {
+inline std::string find_output_of(const Outcome& checked, const std::string& form) {
     const auto at = checked.out.find(form + " in binary32");
     INFO(form << checked.out);
     REQUIRE(at != std::string::npos);
@@ -34,7 +34,7 @@ inline std::string finding_of(const Outcome& checked, const std::string& form) {
 }
 
 /// `lostbits list intersectors` with a pipe of a form a.x whose header has these lines too.
-inline Outcome listed_by_pipe(const std::string& words, const std::string& more = "") {
+inline Outcome list_by_pipe(const std::string& words, const std::string& more = "") {
     return run("list intersectors" + more + " --pipe \"printf 'lostbits-pipe/1\\nname=a.x\\n" + words +
                "\\n\\n'; cat\"");
 }
@@ -42,7 +42,7 @@ inline Outcome listed_by_pipe(const std::string& words, const std::string& more 
 /// Headers that are refused, and why.
 inline void check_refused_headers(const std::vector<std::pair<std::string, std::string>>& rows) {
     for (const auto& [words, says] : rows) {
-        const Outcome o = listed_by_pipe(words);
+        const Outcome o = list_by_pipe(words);
         INFO(words << ": " << o.err);
         CHECK(o.code == 2);
         CHECK(has(o.err, says));

@@ -13,17 +13,17 @@ using namespace lostbits::test;
 TEST_CASE("plugin: explain reports how good an answer is, and nothing more of a compiled form", "[external]") {
     const Scratch folder;
     const std::string ray = "explain --sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1 -f f32";
-    const Outcome told = must(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
-    CHECK(has(told.out, "Its operations are not known, because a compiled function is a black box"));
-    CHECK(has(told.out, "radius"));
+    const Outcome explained = must(ray + " -i example.schoolbook" + plugin("schoolbook"), folder.path());
+    CHECK(has(explained.out, "Its operations are not known, because a compiled function is a black box"));
+    CHECK(has(explained.out, "radius"));
     // Above the operations, the output has the properties of the form that it copies.
     const Outcome own = run(ray + " -i sphere.schoolbook", folder.path());
     const auto first = [](const std::string& text) {
         const auto begin = text.find("\n\n") + 2;
         return text.substr(begin, text.find('\n', begin) - begin);
     };
-    CHECK(first(told.out) == first(own.out));
-    CHECK(has(first(told.out), "the true t is"));
+    CHECK(first(explained.out) == first(own.out));
+    CHECK(has(first(explained.out), "the true t is"));
     const Outcome far = run(ray + " -i odd.far_first" + plugin("odd_plugin"), folder.path());
     CHECK(has(far.out, "Better on this ray and around it:"));
     const Outcome touching =
@@ -44,22 +44,22 @@ TEST_CASE("plugin: explain reports how good an answer is, and nothing more of a 
 TEST_CASE("plugin: explain reports how good a second form's answer is, or only its decision without t", "[external]") {
     const Scratch folder;
     const std::string with = " -f f32" + plugin("odd_plugin");
-    const auto told = [&](const std::string& words) {
+    const auto explain = [&](const std::string& words) {
         const Outcome o = must("explain " + words + with, folder.path());
         return o.out;
     };
     const std::string ahead = "--sphere 0,0,0,1 --ray 0.25,0.125,-5,0,0,1",
                       inside = "--sphere 0,0,0,1 --ray 0,0,0,0,0,1";
-    CHECK(has(told(ahead + " -i sphere.unified --beside odd.far_first"),
+    CHECK(has(explain(ahead + " -i sphere.unified --beside odd.far_first"),
               "odd.far_first does no better on this ray and around it: 22.9 bits lost.\n"));
-    CHECK(has(told(inside + " -i sphere.unified --beside word.misses" + plugin("worded")),
+    CHECK(has(explain(inside + " -i sphere.unified --beside word.misses" + plugin("worded")),
               "word.misses has another contract, so another answer is right for this ray. By its own contract: a "
               "correct miss.\n"));
-    CHECK(has(told(ahead + " -i sphere.unified --beside box.signs"),
+    CHECK(has(explain(ahead + " -i sphere.unified --beside box.signs"),
               "box.signs is a form for another shape, so it was not tried.\n"));
 
-    CHECK(has(told(ahead + " -i odd.predicate"), "odd.predicate answers yes, and the ray hits at 4.0"));
-    CHECK(has(told("--sphere 0,0,0,1 --ray 2,0,-5,0,0,1 -i odd.predicate"),
+    CHECK(has(explain(ahead + " -i odd.predicate"), "odd.predicate answers yes, and the ray hits at 4.0"));
+    CHECK(has(explain("--sphere 0,0,0,1 --ray 2,0,-5,0,0,1 -i odd.predicate"),
               "odd.predicate answers no, and the ray misses: a correct miss."));
     const Outcome worst = run("explain camera-inside --size 16x12 --worst -i odd.predicate" + with, folder.path());
     CHECK(worst.code == 2);
@@ -124,9 +124,9 @@ TEST_CASE("plugin: commands in claims, pages and JUnit can be pasted", "[externa
     std::filesystem::create_directory(folder.path() / "my scenes");
     std::filesystem::copy_file(std::string(LOSTBITS_DATA_DIR) + "/scenes/near-benign.toml",
                                folder.path() / "my scenes/mine.toml");
-    const std::string claims =
-        folder.write("my scenes/claims.toml", claims_of({{"by-map", "scene = \"mine.toml\"\n" + tested("odd.right"),
-                                                          metric_in("false_miss_fraction", "[0.5, 0.6]")}}));
+    const std::string claims = folder.write("my scenes/claims.toml",
+                                            make_claim_file({{"by-map", "scene = \"mine.toml\"\n" + tested("odd.right"),
+                                                              metric_in("false_miss_fraction", "[0.5, 0.6]")}}));
     const Outcome checked =
         run("check '" + claims + "' --junit junit.xml --export-json claims.json" + plugin("odd_plugin"), folder.path());
     CHECK(checked.code == 1);
@@ -134,12 +134,12 @@ TEST_CASE("plugin: commands in claims, pages and JUnit can be pasted", "[externa
         const auto begin = text.find(before) + before.size();
         return text.substr(begin, text.find_first_of("\n\"", begin) - begin);
     };
-    const std::string told = in_words(checked.out, "reproduce: lostbits ");
-    CHECK(has(told, "mine.toml' -i odd.right -f f32 -o out --plugin "));
-    must(told, folder.path());
-    CHECK(has(contents(folder.path() / "junit.xml"), told));
+    const std::string reproduce_command = in_words(checked.out, "reproduce: lostbits ");
+    CHECK(has(reproduce_command, "mine.toml' -i odd.right -f f32 -o out --plugin "));
+    must(reproduce_command, folder.path());
+    CHECK(has(contents(folder.path() / "junit.xml"), reproduce_command));
     // A command with two libraries names the options once.
-    CHECK(told.find("--plugin") == told.rfind("--plugin"));
+    CHECK(reproduce_command.find("--plugin") == reproduce_command.rfind("--plugin"));
     const Outcome page =
         must("report 'my scenes/mine.toml' --size 16x12 -i odd.first -f f32 --no-claims -o page" + plugin("odd_plugin"),
              folder.path());

@@ -42,12 +42,12 @@ void answer_by_row(const intersect::table::Intersector& row, intersect::Roots ro
     }
     const std::size_t n = batch.size;
     std::vector<S> t(n), near(n), far(n);
-    intersect::table::RayBatch<S> asked{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
-    if (batch.ends != nullptr) asked.tmax = {static_cast<const S*>(batch.ends), n};
+    intersect::table::RayBatch<S> ray_batch{columns[0], columns[1], columns[2], columns[3], columns[4], columns[5]};
+    if (batch.ends != nullptr) ray_batch.tmax = {static_cast<const S*>(batch.ends), n};
     const intersect::table::HitBatch<S> hits{t, near, far, {batch.hit, n}};
     const intersect::Target<S> target{std::span<const Primitive<S>>(primitives)};
-    if constexpr (std::same_as<S, float>) row.native32(asked, target, hits);
-    else row.native64(asked, target, hits);
+    if constexpr (std::same_as<S, float>) row.native32(ray_batch, target, hits);
+    else row.native64(ray_batch, target, hits);
     auto* const out = static_cast<S*>(batch.near_far);
     for (std::size_t i = 0; i < n; ++i) {
         out[2 * i] = roots == intersect::Roots::both ? near[i] : t[i];
@@ -140,7 +140,7 @@ TEST_CASE("contract: every form of the catalogue keeps its contract under anothe
 
 TEST_CASE("contract: the truth itself keeps its contract", "[external]") {
     for (const ShapeRow& shape : shape_rows) {
-        const auto broken = broken_of(solved_by(shape.shape, right));
+        const auto broken = broken_of(make_form(shape.shape, right));
         for (const auto& [subject, words] : broken) FAIL_CHECK(shape.name << ' ' << subject << ": " << words);
     }
 }
@@ -174,9 +174,10 @@ Solves with_radius(const Change& change) {
 
 }  // namespace
 
-TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not one in the direction", "[external]") {
+TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not blamed on the direction",
+          "[external]") {
     const std::set<std::string> t{"t"};
-    const auto broken_sphere = [](const Solves& solves) { return broken_of(solved_by(Shape::sphere, solves)); };
+    const auto broken_sphere = [](const Solves& solves) { return broken_of(make_form(Shape::sphere, solves)); };
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return 3 * x; }))) == t);
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return x + 1; }))) == t);
     CHECK(subjects_of(broken_sphere(with_t([](double, const auto&) { return 5.0; }))) == t);
@@ -186,7 +187,7 @@ TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not
     CHECK(subjects_of(distance) == std::set<std::string>{"t", "direction"});
     CHECK(distance.at("direction").find("say LB_UNIT") != std::string::npos);
     // Right for unit directions, and no distance for others: the property says that it takes no others.
-    ForeignForm odd = solved_by(Shape::sphere,
+    ForeignForm odd = make_form(Shape::sphere,
                                 with_t([](double x, const auto& ray) { return x * std::sqrt(length(ray.direction)); }));
     const auto broken = broken_of(odd);
     REQUIRE(broken.contains("direction"));
@@ -196,7 +197,7 @@ TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not
 }
 
 TEST_CASE("contract: twice a radius and its square are told apart", "[external]") {
-    const auto words = [](const Solves& solves) { return broken_of(solved_by(Shape::sphere, solves)).at("t"); };
+    const auto words = [](const Solves& solves) { return broken_of(make_form(Shape::sphere, solves)).at("t"); };
     CHECK(words(with_radius([](double r) {
               return 2 * r;
           })).starts_with("the form doubles the radius (does it compute a diameter?)"));
@@ -212,7 +213,7 @@ TEST_CASE("contract: twice a radius and its square are told apart", "[external]"
 
 TEST_CASE("contract: a wrong radius of a disc is named, and an inner radius that is ignored", "[external]") {
     const auto changed_disc = [](std::size_t number, const auto& change) {
-        return solved_by(Shape::disc, [number, change](const Ray<double>& ray, const Primitive<double>& primitive) {
+        return make_form(Shape::disc, [number, change](const Ray<double>& ray, const Primitive<double>& primitive) {
             Primitive<double> other = primitive;
             other.numbers[number] = change(primitive.numbers[number]);
             return right(ray, other);
@@ -242,11 +243,11 @@ TEST_CASE("contract: a wrong radius of a disc is named, and an inner radius that
 TEST_CASE("contract: a NaN answer comes with advice on how to mark a miss", "[external]") {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
-    const auto never = broken_of(solved_by(
+    const auto never = broken_of(make_form(
         Shape::sphere, [](R ray, S primitive) { return right(ray, primitive) ? Found(std::nan("")) : Found(); }));
     REQUIRE(never.contains("t"));
     CHECK(never.at("t").starts_with("t is not a number"));
-    const auto for_a_miss = broken_of(solved_by(Shape::sphere, [](R ray, S primitive) {
+    const auto for_a_miss = broken_of(make_form(Shape::sphere, [](R ray, S primitive) {
         const Found t = right(ray, primitive);
         return t ? t : Found(std::nan(""));
     }));
@@ -257,12 +258,12 @@ TEST_CASE("contract: a NaN answer comes with advice on how to mark a miss", "[ex
 TEST_CASE("contract: a surface at the origin is tested from the sides that can be hit", "[external]") {
     for (const Shape shape : {Shape::triangle, Shape::disc, Shape::plane}) {
         const auto one_sided =
-            broken_of(solved_by(shape, [](const Ray<double>& ray, const Primitive<double>& primitive) {
+            broken_of(make_form(shape, [](const Ray<double>& ray, const Primitive<double>& primitive) {
                 return ray.direction.z < 0 ? Found() : right(ray, primitive);
             }));
         INFO(row_of(shape).name);
         CHECK(subjects_of(one_sided) == std::set<std::string>{"facing"});
-        ForeignForm denies = solved_by(shape, right);
+        ForeignForm denies = make_form(shape, right);
         denies.contract.at_origin = intersect::AtOrigin::miss;
         const auto broken = broken_of(denies);
         REQUIRE(subjects_of(broken) == std::set<std::string>{"at-origin"});
@@ -273,7 +274,7 @@ TEST_CASE("contract: a surface at the origin is tested from the sides that can b
 TEST_CASE("contract: answers that change with each call allow no verdict on batches, primitives and threads",
           "[external]") {
     int calls = 0;
-    ForeignForm form = solved_by(Shape::sphere, right);
+    ForeignForm form = make_form(Shape::sphere, right);
     form.contract.flags &= ~unsigned{LB_ONE_THREAD};
     form.answer = [answer = form.answer, &calls](const lb_batch& batch) {
         answer(batch);
@@ -304,7 +305,7 @@ Observation edges_of(const ForeignForm& form) {
 /// Loses rays whose first point is nearer than a thousandth to a given place.
 template <class Near>
 ForeignForm losing(Shape shape, const Near& near) {
-    return solved_by(shape, [near](const Ray<double>& ray, const Primitive<double>& primitive) {
+    return make_form(shape, [near](const Ray<double>& ray, const Primitive<double>& primitive) {
         const Found t = right(ray, primitive);
         return t && near(ray.origin + *t * ray.direction, primitive) ? Found() : t;
     });
@@ -360,12 +361,12 @@ TEST_CASE("contract: the first scale that fails is named", "[external]") {
             const Found t = right(ray, primitive);
             return t && *t < 0x1p-40 ? Found() : t;
         };
-        const Observation found = edges_of(solved_by(shape, with_epsilon));
+        const Observation found = edges_of(make_form(shape, with_epsilon));
         INFO(row_of(shape).name << ": " << found.text);
         CHECK(found.verdict == (shape == Shape::triangle ? warned : noted));  // rounding lets light through at 2^0, too
         CHECK(found.text.find("the first of nine scales that fails is 2^-45") != std::string::npos);
     }
-    CHECK(edges_of(solved_by(Shape::capsule, right)).verdict == kept);
+    CHECK(edges_of(make_form(Shape::capsule, right)).verdict == kept);
 }
 
 TEST_CASE("contract: contraction makes a watertight test leak", "[external]") {
@@ -388,15 +389,15 @@ TEST_CASE("contract: contraction makes a watertight test leak", "[external]") {
 TEST_CASE("contract: ten wrong forms of each shape are detected", "[external]") {
     std::map<Shape, int> found;
     const auto try_one = [&found](Shape shape, const Mistake& mistake) {
-        const auto broken = broken_of(solved_by(shape, mistake.solve));
+        const auto broken = broken_of(make_form(shape, mistake.solve));
         INFO(row_of(shape).name << ' ' << mistake.name);
         CHECK_FALSE(broken.empty());
         found[shape] += broken.empty() ? 0 : 1;
     };
     for (const ShapeRow& shape : shape_rows)
-        for (const Mistake& mistake : error_cases_of_all())
+        for (const Mistake& mistake : make_common_mistakes())
             if (shape.shape != Shape::plane || mistake.name != "half as large") try_one(shape.shape, mistake);
-    for (const auto& [shape, mistake] : error_case_of_one()) try_one(shape, mistake);
+    for (const auto& [shape, mistake] : make_mistakes_of_shapes()) try_one(shape, mistake);
     for (const ShapeRow& shape : shape_rows) CHECK(found[shape.shape] >= 10);
 }
 

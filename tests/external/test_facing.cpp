@@ -29,7 +29,7 @@ TEST_CASE("facing: plugin check names the missing property, and accepts a form w
     const Scratch folder;
     const Outcome o = run("plugin check " + facing, folder.path());
     CHECK(o.code == 1);
-    const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
+    const auto finding = [&o](const std::string& form) { return find_output_of(o, form); };
     for (const std::string form : {"front", "back", "both", "ahead", "disc", "plane", "open_plane"}) {
         INFO(finding("word." + form));
         CHECK(has(finding("word." + form), ": keeps its contract"));
@@ -93,7 +93,7 @@ TEST_CASE("facing: map, mesh and judge compare each form with its own side", "[e
 
 TEST_CASE("facing: a pipe can declare it, and a sphere cannot", "[external]") {
     const std::string first = "roots=first\\n";
-    const Outcome front = listed_by_pipe(first + "shape=triangle\\nfacing=front", " --json");
+    const Outcome front = list_by_pipe(first + "shape=triangle\\nfacing=front", " --json");
     INFO(front.err);
     CHECK(front.code == 0);
     const auto forms = nlohmann::json::parse(front.out);

@@ -16,7 +16,7 @@ namespace {
 
 const std::string own = plugin("own_forms");
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
+std::string replace_text(std::string text, const std::string& what, const std::string& by) {
     for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size())
         text.replace(at, what.size(), by);
     return text;
@@ -89,16 +89,16 @@ TEST_CASE("formulas: a wrong assumption of a form is not blamed on an operation 
 }
 
 TEST_CASE("formulas: a form is explained in any format, with the same text", "[external]") {
-    const auto told = [](const std::string& form, const std::string& how) {
+    const auto explain = [](const std::string& form, const std::string& how) {
         const Outcome o = must("explain rtg-fig-7-3-4100 --pixel 128,128 -i " + form + how + own);
         return o.out;
     };
     for (const std::string how : {" -f f32", " -f fp16", " -f f32 --json", " -f f32 --fpcore", " -f f64 --c"}) {
-        const std::string ours = told("sphere.unified", how);
+        const std::string ours = explain("sphere.unified", how);
         CHECK(ours.size() > 200);
-        CHECK(replaced(told("own.unified", how), "own.unified", "sphere.unified").size() > 200);
+        CHECK(replace_text(explain("own.unified", how), "own.unified", "sphere.unified").size() > 200);
     }
-    CHECK(has(told("own.unified", " -f f32"), "disc"));
+    CHECK(has(explain("own.unified", " -f f32"), "disc"));
 }
 
 TEST_CASE("formulas: the cost is measured in packs of every width, with operation counts", "[external]") {

@@ -12,10 +12,10 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
-#include "followed.hpp"
 #include "intersect/external/plugin.hpp"
 #include "intersect/function/walk.hpp"
 #include "random_functions.hpp"
+#include "user_functions.hpp"
 
 namespace test_functions {
 
@@ -61,7 +61,7 @@ TEST_CASE("functions: the operations give the bits of the compiled function", "[
         if (std::string(named).find(".rs:") != std::string::npos && !has_rustc()) continue;
         const auto f = intersect::function::load_function(folder + named, {});
         CHECK(f->signature_text.find(says) != std::string::npos);
-        CHECK(differences(*f) == 0);
+        CHECK(count_differences(*f) == 0);
         if (!std::string(named).starts_with("public")) continue;
         in_both += agrees_in_other_format(folder + named, f->bits) ? 1 : 0;
     }
@@ -83,7 +83,7 @@ TEST_CASE("functions: whole numbers beside a number have the bits of the C libra
                 own + "(o[0] * 4) + " + own + "(d[1] * 0.5) * " + own + "(c[0] * 1e9) + r;\n}\n");
         for (const char* const name : {":in_float", ":in_double"}) {
             const auto g = intersect::function::load_function(file + name + ":sphere(o, d, c, r)", {});
-            CHECK(differences(*g) == 0);
+            CHECK(count_differences(*g) == 0);
         }
     }
 }
@@ -92,7 +92,7 @@ TEST_CASE("functions: the same operations as a form of the catalogue have its an
     const auto f = intersect::function::load_function(folder + "sphere.c:schoolbook", {});
     for (const auto& row : intersect::table::catalogue())
         if (row.info->name == "sphere.schoolbook")
-            CHECK(differences(f->intersector.native32, row.native32, Shape::sphere) == 0);
+            CHECK(count_differences(f->intersector.native32, row.native32, Shape::sphere) == 0);
 }
 
 TEST_CASE("functions: the culprit is a line of the user's file", "[external]") {
@@ -200,18 +200,18 @@ TEST_CASE("functions: plugin check, choose, diff and claims take them", "[extern
 }
 
 TEST_CASE("functions: what cannot be followed is refused with its place", "[external]") {
-    CHECK(refusal(folder + "refused.c:sine").find("refused.c:4:78: it calls sin") != std::string::npos);
-    CHECK(refusal(folder + "refused.c:endless").find("refused.c:8:5: a loop has no bound") != std::string::npos);
-    CHECK(refusal(folder + "refused.c:rounded").find("refused.c:12:88: a number becomes an integer") !=
+    CHECK(find_refusal(folder + "refused.c:sine").find("refused.c:4:78: it calls sin") != std::string::npos);
+    CHECK(find_refusal(folder + "refused.c:endless").find("refused.c:8:5: a loop has no bound") != std::string::npos);
+    CHECK(find_refusal(folder + "refused.c:rounded").find("refused.c:12:88: a number becomes an integer") !=
           std::string::npos);
-    CHECK(refusal(folder + "refused.c:counting").find("refused.c:16:11: a global variable is written") !=
+    CHECK(find_refusal(folder + "refused.c:counting").find("refused.c:16:11: a global variable is written") !=
           std::string::npos);
-    CHECK(refusal(folder + "refused.c:calls").find("cannot compile it") != std::string::npos);
-    CHECK(refusal(folder + "refused.c:nothing")
+    CHECK(find_refusal(folder + "refused.c:calls").find("cannot compile it") != std::string::npos);
+    CHECK(find_refusal(folder + "refused.c:nothing")
               .ends_with("refused.c: has no function \"nothing\"; it defines \"counting\", \"endless\", \"rounded\", "
                          "\"sine\""));
-    CHECK(refusal(folder + "sphere.c").find("names no function") != std::string::npos);
-    CHECK(refusal(folder + "nowhere.c:f").find("no such file") != std::string::npos);
+    CHECK(find_refusal(folder + "sphere.c").find("names no function") != std::string::npos);
+    CHECK(find_refusal(folder + "nowhere.c:f").find("no such file") != std::string::npos);
 }
 
 TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug information", "[external]") {
@@ -235,7 +235,7 @@ TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug inf
         CAPTURE(named);
         const auto f = intersect::function::load_function(to + named, {});
         CHECK(f->signature_text.find(says) != std::string::npos);
-        CHECK(differences(*f) == 0);
+        CHECK(count_differences(*f) == 0);
     }
     const auto culprit = [&](const std::string& file) {
         return must("explain rtg-fig-7-3-4100-oblique --pixel 128,128 -f f32 -i function.schoolbook --function " + to +
@@ -246,7 +246,7 @@ TEST_CASE("functions: LLVM IR as text and as bitcode, with and without debug inf
     const std::string line = culprit("none.ll");
     CHECK(line.find("none.ll:") != std::string::npos);
     CHECK(line.find(" = call float @llvm.fmuladd.f32(") != std::string::npos);
-    CHECK(refusal(to + "none.ll:hit_sphere").find("compile it with -g") != std::string::npos);
+    CHECK(find_refusal(to + "none.ll:hit_sphere").find("compile it with -g") != std::string::npos);
 }
 
 namespace {
@@ -427,7 +427,7 @@ end:
     REQUIRE(read(whole));
     for (std::size_t size = 0; size < whole.size(); size += 3) read(whole.substr(0, size));
     std::mt19937 random(3);
-    for (int k = 0; k < 3000; ++k) read(damaged(whole, random, "%@!0123456789 ()[]{}<>,*\"x", 9));
+    for (int k = 0; k < 3000; ++k) read(damage(whole, random, "%@!0123456789 ()[]{}<>,*\"x", 9));
 }
 
 }  // namespace test_functions

@@ -14,10 +14,10 @@ using namespace lostbits;
 
 namespace {
 
-/// Rays along z at distances of 0 to `reach` from the middle of a sphere of this radius. `told` gives the answers: a t,
-/// or NaN for a miss.
-template <class Told>
-std::vector<measure::contract::AnswerSample> beside(double radius, double reach, const Told& told) {
+/// Rays along z at distances of 0 to `reach` from the middle of a sphere of this radius. `answer` returns a t, or
+/// NaN for a miss.
+template <class Answer>
+std::vector<measure::contract::AnswerSample> beside(double radius, double reach, const Answer& answer) {
     std::vector<measure::contract::AnswerSample> all;
     for (int i = 0; i < 400; ++i) {
         const double side = reach * i / 400, from = 4 * radius, left = radius * radius - side * side;
@@ -25,7 +25,7 @@ std::vector<measure::contract::AnswerSample> beside(double radius, double reach,
                                           .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, radius}),
                                           .truly_hits = left >= 0};
         if (j.truly_hits) j.true_t = j.other_t = from - std::sqrt(left);
-        j.t = told(side, from);
+        j.t = answer(side, from);
         j.hit = !std::isnan(j.t);
         all.push_back(j);
     }

@@ -11,7 +11,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
-#include "cli/started.hpp"
+#include "cli/started_program.hpp"
 
 namespace test_manners {
 
@@ -25,8 +25,8 @@ const std::string library = std::string(LOSTBITS_LIBRARIES) + "/ill_mannered.so"
 /// A claim about the library's form, which holds or does not.
 std::string claims(const Scratch& folder, bool holds) {
     return folder.write("claims.toml",
-                        claims_of({{"a", "scene = \"near-benign\"\n" + tested("ill.right"),
-                                    metric_in("false_miss_fraction", holds ? "[0.0, 0.01]" : "[0.5, 0.6]")}}));
+                        make_claim_file({{"a", "scene = \"near-benign\"\n" + tested("ill.right"),
+                                          metric_in("false_miss_fraction", holds ? "[0.0, 0.01]" : "[0.5, 0.6]")}}));
 }
 
 /// The processes that have this text in their environment, in order of their start.

@@ -122,8 +122,8 @@ TEST_CASE("plugin: other commands accept its forms too", "[external]") {
     CHECK_FALSE(has(page, "\"title\":\"\""));
     const Outcome listed = run("list intersectors" + with, folder.path());
     CHECK(has(listed.out, "odd.predicate"));
-    folder.write("claims.toml", claims_of({{"right", "scene = \"near-benign\"\n" + tested("odd.right"),
-                                            metric_in("false_miss_fraction", "[0, 0]")}}));
+    folder.write("claims.toml", make_claim_file({{"right", "scene = \"near-benign\"\n" + tested("odd.right"),
+                                                  metric_in("false_miss_fraction", "[0, 0]")}}));
     must("check claims.toml" + with, folder.path());
 }
 
@@ -285,7 +285,7 @@ TEST_CASE("plugin check: it names the broken property and says what to write", "
     // The test above covers the forms that crash: forms are tried in the order of the library.
     const Outcome odd = run("plugin check " + library("odd_plugin") + " --time-limit 2", folder.path());
     CHECK(odd.code == 3);
-    const auto finding = [&odd](const std::string& form) { return finding_of(odd, form); };
+    const auto finding = [&odd](const std::string& form) { return find_output_of(odd, form); };
     CHECK(has(finding("odd.right"), "keeps its contract"));
     CHECK(has(finding("odd.first"), "keeps its contract"));
     CHECK(has(finding("odd.predicate"), "keeps its contract"));

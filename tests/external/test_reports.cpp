@@ -7,7 +7,7 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
-#include "followed.hpp"
+#include "user_functions.hpp"
 
 namespace test_reports {
 
@@ -16,7 +16,7 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string reports = functions_folder + "reports";
+const std::string bug_files = functions_folder + "reported_bugs";
 
 bool is_installed(const std::string& program) {
     return std::system((program + " --version >/dev/null 2>&1").c_str()) == 0;
@@ -32,11 +32,13 @@ std::string form_of(const std::string& named) {
     return form;
 }
 
-std::string explained(const std::string& named, const std::string& ray, const std::string& suffix = "") {
-    return must("explain " + ray + " -f f32 -i " + form_of(named) + suffix + " --function " + reports + named).out;
+std::string run_explain(const std::string& named, const std::string& ray, const std::string& suffix = "") {
+    return must("explain " + ray + " -f f32 -i " + form_of(named) + suffix + " --function " + bug_files + named).out;
 }
 
-std::string checked(const std::string& named) { return run("plugin check --function " + reports + named).out; }
+std::string run_plugin_check(const std::string& named) {
+    return run("plugin check --function " + bug_files + named).out;
+}
 
 }  // namespace
 
@@ -48,7 +50,7 @@ TEST_CASE("reports: the operations give the bits of the compiled function", "[ex
           ".rs:slice_repaired", ".rs:sphere", ".rs:sphere_asked", ".rs:sphere_repaired", ".glsl:triangle"}) {
         CAPTURE(named);
         if (!can_compile(named)) continue;
-        CHECK(differences(*intersect::function::load_function(reports + named, {})) == 0);
+        CHECK(count_differences(*intersect::function::load_function(bug_files + named, {})) == 0);
     }
 }
 
@@ -97,7 +99,7 @@ TEST_CASE("reports: explain names the cause, and the repaired function is right"
                   in_a_face,
                   {"reports a hit at 0, but the ray misses: a false hit",
                    "tmin is not a number because of 1/d.z·(hi.z − o.z), where 1/d.z is infinity and hi.z − o.z is 0.",
-                   "reports.rs:25:19\n 25 |         let rtr = (max[k] - origin[k]) * inv_direction[k];"},
+                   "reported_bugs.rs:25:19\n 25 |         let rtr = (max[k] - origin[k]) * inv_direction[k];"},
                   ".rs:slice_repaired",
                   "a correct miss"},
              Case{".rs:sphere",
@@ -125,28 +127,28 @@ TEST_CASE("reports: explain names the cause, and the repaired function is right"
          }) {
         CAPTURE(case_.named);
         if (!can_compile(case_.named)) continue;
-        const std::string text = explained(case_.named, case_.ray);
+        const std::string text = run_explain(case_.named, case_.ray);
         for (const std::string& part : case_.says) CHECK(HasText(text, part));
-        CHECK(HasText(explained(case_.repaired, case_.ray), case_.repaired_says));
+        CHECK(HasText(run_explain(case_.repaired, case_.ray), case_.repaired_says));
     }
 }
 
 TEST_CASE("reports: plugin check names what a function assumes", "[external]") {
-    CHECK(HasText(checked(".cpp:tinybvh::triangle"), "it seems to compare with a fixed number, an epsilon"));
-    CHECK(HasText(checked(".cpp:tinybvh::triangle_repaired"), "keeps its contract"));
-    CHECK(HasText(checked(".cpp:mitsuba::sphere_of_2023"),
+    CHECK(HasText(run_plugin_check(".cpp:tinybvh::triangle"), "it seems to compare with a fixed number, an epsilon"));
+    CHECK(HasText(run_plugin_check(".cpp:tinybvh::triangle_repaired"), "keeps its contract"));
+    CHECK(HasText(run_plugin_check(".cpp:mitsuba::sphere_of_2023"),
                   "BROKEN inside       a ray from inside that starts exactly beside the centre"));
-    CHECK(HasText(checked(".cpp:mitsuba::sphere_repaired"), "keeps its contract"));
-    CHECK(HasText(checked(".cpp:wicked::sphere"), "BROKEN inside"));
-    CHECK_FALSE(HasText(checked(".cpp:wicked::sphere_repaired"), "BROKEN inside"));
-    CHECK(HasText(checked(".cpp:glm::plane"), "BROKEN within       a ray in its plane hits"));
-    CHECK(HasText(checked(".cpp:glm::plane_repaired"), "kept   within"));
+    CHECK(HasText(run_plugin_check(".cpp:mitsuba::sphere_repaired"), "keeps its contract"));
+    CHECK(HasText(run_plugin_check(".cpp:wicked::sphere"), "BROKEN inside"));
+    CHECK_FALSE(HasText(run_plugin_check(".cpp:wicked::sphere_repaired"), "BROKEN inside"));
+    CHECK(HasText(run_plugin_check(".cpp:glm::plane"), "BROKEN within       a ray in its plane hits"));
+    CHECK(HasText(run_plugin_check(".cpp:glm::plane_repaired"), "kept   within"));
     if (!is_installed("rustc")) return;
-    CHECK(HasText(checked(".rs:sphere"), "the formula may assume length 1; if so, say LB_UNIT"));
-    CHECK(HasText(checked(".rs:sphere_repaired"), "kept   direction"));
+    CHECK(HasText(run_plugin_check(".rs:sphere"), "the formula may assume length 1; if so, say LB_UNIT"));
+    CHECK(HasText(run_plugin_check(".rs:sphere_repaired"), "kept   direction"));
     // The change that the reporter asks for makes t a distance. The crate multiplies it by the direction, so the point
     // stays wrong: with the ray above, z = -10 + 2 * 8 = 6 in place of -2.
-    CHECK(HasText(checked(".rs:sphere_asked"), "t is a distance: a direction twice as long changes nothing"));
+    CHECK(HasText(run_plugin_check(".rs:sphere_asked"), "t is a distance: a direction twice as long changes nothing"));
 }
 
 TEST_CASE("reports: a ray between two triangles is lost by fused operations, not by rounding", "[external]") {
@@ -159,8 +161,8 @@ TEST_CASE("reports: a ray between two triangles is lost by fused operations, not
                "float u = dot(tvec, pvec) * invDet;"},
           Case{"--triangle=-5,-5,0,5,5,0,-5,5,0", "The culprit is d.y·qvec.y", "float v = dot(dir, qvec) * invDet;"}}) {
         CAPTURE(triangle);
-        CHECK(HasText(explained(".glsl:triangle", triangle + ray), "Less than one bit is lost."));
-        const std::string fused = explained(".glsl:triangle", triangle + ray, "+fma");
+        CHECK(HasText(run_explain(".glsl:triangle", triangle + ray), "Less than one bit is lost."));
+        const std::string fused = run_explain(".glsl:triangle", triangle + ray, "+fma");
         CHECK(HasText(fused, "reports a miss, but the ray hits at 11.08"));
         CHECK(HasText(fused, culprit));
         CHECK(HasText(fused, line));

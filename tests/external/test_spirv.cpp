@@ -7,9 +7,9 @@
 
 #include "catch.hpp"
 #include "cli/program.hpp"
-#include "followed.hpp"
 #include "intersect/function/signature.hpp"
 #include "intersect/spirv/llvm_text.hpp"
+#include "user_functions.hpp"
 
 namespace test_spirv {
 
@@ -68,7 +68,7 @@ TEST_CASE("spirv: signatures of GLSL and HLSL, and bits in both formats", "[exte
         CAPTURE(named);
         const auto f = load_function(folder + named, {});
         CHECK(f->signature_text.find(says) != std::string::npos);
-        CHECK(differences(*f) == 0);
+        CHECK(count_differences(*f) == 0);
         if (!std::string(named).starts_with("public")) continue;
         in_both += agrees_in_other_format(folder + named, f->bits) ? 1 : 0;
     }
@@ -76,14 +76,14 @@ TEST_CASE("spirv: signatures of GLSL and HLSL, and bits in both formats", "[exte
 }
 
 TEST_CASE("spirv: the culprit is a line and a column of the user's file", "[external]") {
-    const auto explained = [](const std::string& named, const std::string& form) {
+    const auto run_explain = [](const std::string& named, const std::string& form) {
         return must("explain rtg-fig-7-3-4100-oblique --pixel 128,40 -f f32 -i function." + form + " --function " +
                     named)
             .out;
     };
     for (const char* const ending : {"glsl", "hlsl"}) {
         const std::string said =
-            explained(std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/sphere." + ending + ":sphere", "sphere");
+            run_explain(std::string(LOSTBITS_SOURCE_DIR) + "/examples/shaders/sphere." + ending + ":sphere", "sphere");
         CHECK(said.find(":37\n " + std::string(ending[0] == 'g' ? "8" : "7") +
                         " |     float disc = b * b - (dot(f, f) - radius * radius);\n"
                         "   |                           ~~~~~~~~~~^~~~~~~~~~~~~~~~~\n") != std::string::npos);
@@ -91,20 +91,20 @@ TEST_CASE("spirv: the culprit is a line and a column of the user's file", "[exte
     const auto odd = load_function(folder + "features.glsl:odd", {});
     CHECK(std::ranges::any_of(odd->places, [](const auto& p) { return p.line == 36 && p.column == 87; }));
     // Rounding inside this function is a part of its error only: no operation is to blame, and none is quoted.
-    const std::string unblamed = explained(folder + "features.glsl:odd", "odd");
+    const std::string unblamed = run_explain(folder + "features.glsl:odd", "odd");
     CHECK(unblamed.find("No operation is to blame") != std::string::npos);
     CHECK(unblamed.find("features.glsl:") == std::string::npos);
     // A SPIR-V file names lines of its source if it has them, and otherwise lines of its assembly.
     const Scratch made;
-    const std::string with = explained(compiled(made, sphere, "-g") + ":ball", "ball");
+    const std::string with = run_explain(compiled(made, sphere, "-g") + ":ball", "ball");
     CHECK(with.find("own.frag:5:41\n 5 |     float b = dot(f, rd), c = dot(f, f) - s.w * s.w;") != std::string::npos);
     // Newer debug information has the same names, and lines without columns.
-    const std::string newer = explained(compiled(made, sphere, "-gV") + ":ball", "ball");
+    const std::string newer = run_explain(compiled(made, sphere, "-gV") + ":ball", "ball");
     CHECK(newer.find("own.frag:5") != std::string::npos);
     compiled(made, sphere, "-g");
     shell("spirv-opt --strip-debug " + made.path().string() + "/own.spv -o " + made.path().string() + "/none.spv");
-    CHECK(refusal(made.path().string() + "/none.spv:ball").find("has no function") != std::string::npos);
-    const std::string without = explained(compiled(made, sphere, "") + ":ball", "ball");
+    CHECK(find_refusal(made.path().string() + "/none.spv:ball").find("has no function") != std::string::npos);
+    const std::string without = run_explain(compiled(made, sphere, "") + ":ball", "ball");
     CHECK(without.find(" = OpFSub %float ") != std::string::npos);
 }
 
@@ -123,25 +123,26 @@ TEST_CASE("spirv: maps of the culprit, contraction and mend take functions of sh
 
 TEST_CASE("spirv: what cannot be followed is refused with its place", "[external]") {
     const std::string file = folder + "features.glsl:";
-    CHECK(refusal(file + "wave").find("features.glsl:44:5: it calls sin, which is not followed") != std::string::npos);
-    CHECK(refusal(file + "timed").find("features.glsl:45:70: it reads time, which nothing in the file sets to one") !=
+    CHECK(find_refusal(file + "wave").find("features.glsl:44:5: it calls sin, which is not followed") !=
           std::string::npos);
-    CHECK(refusal(file + "endless").find("features.glsl:49:53: a loop has no bound") != std::string::npos);
-    CHECK(refusal(file + "rounded").find("features.glsl:52:66: a number becomes an integer") != std::string::npos);
-    CHECK(refusal(file + "nothing")
+    CHECK(find_refusal(file + "timed")
+              .find("features.glsl:45:70: it reads time, which nothing in the file sets to one") != std::string::npos);
+    CHECK(find_refusal(file + "endless").find("features.glsl:49:53: a loop has no bound") != std::string::npos);
+    CHECK(find_refusal(file + "rounded").find("features.glsl:52:66: a number becomes an integer") != std::string::npos);
+    CHECK(find_refusal(file + "nothing")
               .ends_with("it defines \"endless\", \"kind\", \"many\", \"odd\", \"rounded\", "
                          "\"timed\", \"turn\", \"wave\", \"whole\""));
-    const std::string many = refusal(file + "many");
+    const std::string many = find_refusal(file + "many");
     CHECK(many.find("has several functions \"many\"; name one by its line: ") != std::string::npos);
     CHECK(many.find("many@58") != std::string::npos);
     CHECK(many.find("many@59") != std::string::npos);
     const Scratch made;
     std::ofstream(made.path() / "broken.glsl") << "float f(vec3 ro) {\n    return rd.x;\n}\n";
-    const std::string broken = refusal(made.path().string() + "/broken.glsl:f");
+    const std::string broken = find_refusal(made.path().string() + "/broken.glsl:f");
     CHECK(broken.find("broken.glsl:2: 'rd' : undeclared identifier") != std::string::npos);
     CHECK(broken.find("Missing entry point") == std::string::npos);
     std::ofstream(made.path() / "empty.spv") << "";
-    CHECK(refusal(made.path().string() + "/empty.spv:f").find("spirv-val") != std::string::npos);
+    CHECK(find_refusal(made.path().string() + "/empty.spv:f").find("spirv-val") != std::string::npos);
 }
 
 TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
@@ -166,7 +167,7 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
     std::size_t refused = 0;
     for (std::size_t size = 0; size < whole.size(); size += 11) refused += read(whole.substr(0, size)) ? 0 : 1;
     std::mt19937 random(5);
-    for (int k = 0; k < 3000; ++k) refused += read(damaged(whole, random, "%_0123456789 \"\nOpv", 5)) ? 0 : 1;
+    for (int k = 0; k < 3000; ++k) refused += read(damage(whole, random, "%_0123456789 \"\nOpv", 5)) ? 0 : 1;
     CHECK(refused > 300);
     // The whole way to a form, with real programs.
     const int count = is_long() ? 400 : 40;
@@ -175,8 +176,9 @@ TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
         for (int changes = 0; changes < 2; ++changes)
             words[20 + random() % (words.size() - 20)] ^= char(1 << random() % 8);
         std::ofstream(made.path() / "some.spv", std::ios::binary) << words;
-        std::ofstream(made.path() / "some.glsl") << damaged(sphere, random, "(){};,.+-*/0f \n#\\", 5);
-        for (const char* const ending : {"spv", "glsl"}) refusal(made.path().string() + "/some." + ending + ":ball");
+        std::ofstream(made.path() / "some.glsl") << damage(sphere, random, "(){};,.+-*/0f \n#\\", 5);
+        for (const char* const ending : {"spv", "glsl"})
+            find_refusal(made.path().string() + "/some." + ending + ":ball");
     }
 }
 

@@ -25,7 +25,8 @@ const std::string tiny =
 
 /// The same for a radius that is a subnormal number: the sphere vanishes if such numbers become zeros.
 std::string subnormal_sphere() {
-    return replaced(replaced(replaced(tiny, "0x1p-70", "0x1p-140"), "0x1p-68", "0x1p-138"), "0x1.4p-69", "0x1.4p-139");
+    return replace_text(replace_text(replace_text(tiny, "0x1p-70", "0x1p-140"), "0x1p-68", "0x1p-138"), "0x1.4p-69",
+                        "0x1.4p-139");
 }
 
 /// Every float of a range of subnormal numbers.
@@ -58,8 +59,8 @@ std::vector<std::string> rows_left(std::size_t command, const std::string& more,
     static_cast<void>(folder.write("tiny.toml", subnormal_sphere()));
     static_cast<void>(folder.write("subnormals.toml", subnormals));
     static_cast<void>(folder.write("rays.csv", rays));
-    const std::string asked = more.empty() ? "" : ",example.*",
-                      forms = " -i 'sphere.double_inside,sphere.half_b" + asked + "'";
+    const std::string more_forms = more.empty() ? "" : ",example.*",
+                      forms = " -i 'sphere.double_inside,sphere.half_b" + more_forms + "'";
     const std::array<std::string, commands> all{
         "map tiny.toml" + forms + " -f f32,f64 --metric lost_bits,residual -o out",
         "judge rays.csv --answer-format f32 --sphere 0,0,0,1" + forms + " -f f32 -o out",
@@ -137,31 +138,31 @@ TEST_CASE("state: a library that flushes subnormal numbers is measured so by eve
 
 TEST_CASE("state: a library that changes the processor state is reported once", "[external]") {
     const Scratch folder;
-    const auto told = [&](const std::string& when, const std::string& command) {
+    const auto run_when = [&](const std::string& when, const std::string& command) {
         return run(command, folder.path(), environment(when, "flush"));
     };
     const std::string map = "map near-benign --size 64x48 -i 'example.*' -f f32,f64 -j 4 -o out --plugin " + library;
     for (const std::string option : {"", " --isolate"}) {
-        const auto loaded = told("load", map + option);
+        const auto loaded = run_when("load", map + option);
         INFO(option << loaded.err);
         CHECK(loaded.code == 0);
         CHECK(count_in(loaded.err, "changes how the processor computes (flush_to_zero) when it is loaded") == 1);
-        const auto called = told("call", map + option);
+        const auto called = run_when("call", map + option);
         INFO(called.err);
         CHECK(called.code == 0);
         CHECK(count_in(called.err, "changes how the processor computes during a call") >= 1);
         CHECK(count_in(called.err, "changes how the processor computes during a call") <= 2);  // a form in two formats
-        CHECK_FALSE(has(told("never", map + option).err, "how the processor computes"));
-        CHECK_FALSE(has(told("load", "-q " + map + option).err, "how the processor computes"));
+        CHECK_FALSE(has(run_when("never", map + option).err, "how the processor computes"));
+        CHECK_FALSE(has(run_when("load", "-q " + map + option).err, "how the processor computes"));
     }
     for (const std::string option : {"", " --isolate"}) {
-        const auto loaded = told("load", "plugin check " + library + option);
+        const auto loaded = run_when("load", "plugin check " + library + option);
         CHECK(has(loaded.out, "state        loading its library leaves the processor with flush_to_zero"));
-        const auto called = told("call", "plugin check " + library + option);
+        const auto called = run_when("call", "plugin check " + library + option);
         INFO(called.out);
         CHECK(called.code == 1);
         CHECK(has(called.out, "BROKEN state"));
-        CHECK(told("never", "plugin check " + library + option).code == 0);
+        CHECK(run_when("never", "plugin check " + library + option).code == 0);
     }
 }
 

@@ -131,7 +131,7 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
     };
     // Rays from around (1, -2, 0) at a sphere around (4, 6, -20), some of which miss. They are answered as they are,
     // and reported as `change` leaves them.
-    const auto asked = [&nearest](const auto& change, bool inverted = false) {
+    const auto describe_suspicion = [&nearest](const auto& change, bool inverted = false) {
         std::vector<AnswerSample> all;
         for (int i = 0; i < 400; ++i) {
             const double u = (i % 20 - 9.5) / 4, v = (i / 20 - 9.5) / 4;
@@ -151,29 +151,36 @@ TEST_CASE("suspicion: changes to the rays or to the primitive are recognised fro
         }
         return measure::contract::suspicion_text(all, measure::contract::AnswerSource::file);
     };
-    CHECK(asked([](R&, S&) {}).empty());
-    CHECK(has(asked([](R& ray, S&) { ray.direction = -ray.direction; }),
+    CHECK(describe_suspicion([](R&, S&) {}).empty());
+    CHECK(has(describe_suspicion([](R& ray, S&) { ray.direction = -ray.direction; }),
               "the direction seems to be reversed: the answers are those for -d; write -dx, -dy, -dz"));
-    CHECK(has(asked([](R& ray, S&) { ray.direction = ray.origin + ray.direction; }), "the point where the ray ends"));
-    CHECK(has(asked([](R& ray, S&) {
+    CHECK(has(describe_suspicion([](R& ray, S&) { ray.direction = ray.origin + ray.direction; }),
+              "the point where the ray ends"));
+    CHECK(has(describe_suspicion([](R& ray, S&) {
                   for (Vec<double>* v : {&ray.origin, &ray.direction}) std::swap(v->y, v->z);
               }),
               "y and z of the rays seem to be exchanged"));
-    CHECK(has(asked([](R& ray, S&) { std::swap(ray.origin, ray.direction); }), "the origin and the direction"));
+    CHECK(has(describe_suspicion([](R& ray, S&) { std::swap(ray.origin, ray.direction); }),
+              "the origin and the direction"));
     for (const auto& [factor, says] : {std::pair(1000.0, "1000 times as large (millimetres for metres?); write both"),
                                        std::pair(0.01, "0.01 times as large (metres for centimetres?)")})
-        CHECK(has(asked([f = factor](R&, S& sphere) { sphere = {sphere.centre * f, sphere.radius * f}; }), says));
-    CHECK(has(asked([](R&, S&) {}, true), "hit seems to be inverted, 1 where the ray misses; write 1 for a hit"));
+        CHECK(has(describe_suspicion([f = factor](R&, S& sphere) {
+                      sphere = {sphere.centre * f, sphere.radius * f};
+                  }),
+                  says));
+    CHECK(has(describe_suspicion([](R&, S&) {}, true),
+              "hit seems to be inverted, 1 where the ray misses; write 1 for a hit"));
     // A sphere elsewhere: hits and misses are both wrong, but most rays miss both spheres.
-    const std::string elsewhere = asked([](R&, S& sphere) { sphere.centre.x += 9; });
+    const std::string elsewhere = describe_suspicion([](R&, S& sphere) { sphere.centre.x += 9; });
     CHECK(has(elsewhere, "no known mistake"));
 }
 
 TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
     using measure::contract::AnswerSource;
     using measure::contract::suspicion_text;
-    // Rays from inside a sphere of radius 3, nearer to its back; `right` is the true t, `told` the answer.
-    const auto asked = [](const auto& right, const auto& told, AnswerSource source = AnswerSource::intersector) {
+    // Rays from inside a sphere of radius 3, nearer to its back; `right` is the true t, `answer` the one given.
+    const auto describe_suspicion = [](const auto& right, const auto& answer,
+                                       AnswerSource source = AnswerSource::intersector) {
         std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 200; ++i) {
             const double z = -2.5 + 0.01 * i, near = -3 - z, far = 3 - z;
@@ -183,7 +190,7 @@ TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
                                               .true_t = right(near, far),
                                               .other_t = right(near, far),
                                               .hit = true};
-            j.t = told(near, far);
+            j.t = answer(near, far);
             all.push_back(j);
         }
         return suspicion_text(all, source);
@@ -192,21 +199,21 @@ TEST_CASE("suspicion: errors from inside are told apart", "[external]") {
     const auto far = [](double, double t) { return t; };
     const auto none = [](double, double) { return 0.0; };
     const auto size = [](double t, double) { return std::fabs(t); };
-    CHECK(asked(far, far).empty());
-    CHECK(asked(none, none).empty());
-    CHECK(
-        has(asked(far, none), "it answers 0 from inside, where another t is right; say so (inside_zero, inside=zero)"));
-    CHECK(has(asked(far, none, AnswerSource::file), "; say --inside zero"));
-    CHECK(has(asked(none, far), "it answers with the exit, where 0 is right; say so (inside_exit"));
-    CHECK(has(asked(none, far, AnswerSource::file), "; say --inside exit"));
-    CHECK(has(asked(far, size), "the near root without its sign"));
-    CHECK_FALSE(has(asked(far, near), "without its sign"));
-    CHECK(has(asked(far, near), "the near root, behind the ray; say so (near_root, roots=near)"));
-    CHECK(has(asked(far, near, AnswerSource::file), "; say --inside near"));
+    CHECK(describe_suspicion(far, far).empty());
+    CHECK(describe_suspicion(none, none).empty());
+    CHECK(has(describe_suspicion(far, none),
+              "it answers 0 from inside, where another t is right; say so (inside_zero, inside=zero)"));
+    CHECK(has(describe_suspicion(far, none, AnswerSource::file), "; say --inside zero"));
+    CHECK(has(describe_suspicion(none, far), "it answers with the exit, where 0 is right; say so (inside_exit"));
+    CHECK(has(describe_suspicion(none, far, AnswerSource::file), "; say --inside exit"));
+    CHECK(has(describe_suspicion(far, size), "the near root without its sign"));
+    CHECK_FALSE(has(describe_suspicion(far, near), "without its sign"));
+    CHECK(has(describe_suspicion(far, near), "the near root, behind the ray; say so (near_root, roots=near)"));
+    CHECK(has(describe_suspicion(far, near, AnswerSource::file), "; say --inside near"));
 }
 
 TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not by misses", "[external]") {
-    const auto asked = [](bool ever_hits) {
+    const auto describe_suspicion = [](bool ever_hits) {
         std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 300; ++i) {
             // The ray from (x, 0, -5) along z is exchanged for one from (0, 0, 1) along d = (x, 0, -5), whose t has
@@ -223,9 +230,10 @@ TEST_CASE("suspicion: swapped origin and direction are recognised by hits, not b
         }
         return measure::contract::suspicion_text(all);
     };
-    CHECK(has(asked(true), "the origin and the direction seem to be exchanged"));
-    CHECK_FALSE(has(asked(false), "exchanged"));
-    CHECK(has(asked(false), "all 300 rays that hit or should hit are wrong; 300 miss what they should hit"));
+    CHECK(has(describe_suspicion(true), "the origin and the direction seem to be exchanged"));
+    CHECK_FALSE(has(describe_suspicion(false), "exchanged"));
+    CHECK(
+        has(describe_suspicion(false), "all 300 rays that hit or should hit are wrong; 300 miss what they should hit"));
     const measure::contract::AnswerSample one{.ray = {{0, 0, -5}, {0, 0, 1}},
                                               .primitive = Primitive<double>(Sphere<double>{{0, 0, 0}, 1}),
                                               .truly_hits = true,
@@ -239,7 +247,7 @@ TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for
           "[external]") {
     const double nan = std::nan("");
     // Rays from 1 to 2.7 beside the middle of a sphere of radius 3; those beyond 1.5 miss one of half the radius.
-    const auto asked = [&](const auto& t_of) {
+    const auto describe_suspicion = [&](const auto& t_of) {
         std::vector<measure::contract::AnswerSample> all;
         for (int i = 0; i < 500; ++i) {
             const double side = 1 + 0.0035 * i, t = 10 - std::sqrt(9 - side * side);
@@ -255,11 +263,11 @@ TEST_CASE("suspicion: a radius is blamed only if it explains everything, not for
         return measure::contract::suspicion_text(all);
     };
     const auto of_half = [](double, double side) { return 10 - std::sqrt(std::max(0.0, 1.5 * 1.5 - side * side)); };
-    CHECK(has(asked(of_half), "expect a diameter instead of the radius"));
-    CHECK(has(asked([&](double, double) { return nan; }),
+    CHECK(has(describe_suspicion(of_half), "expect a diameter instead of the radius"));
+    CHECK(has(describe_suspicion([&](double, double) { return nan; }),
               "expect a diameter instead of the radius"));  // for a form that returns no t
     // Too few steps: right in the middle, a miss near the rim.
-    const std::string early = asked([](double t, double) { return t; });
+    const std::string early = describe_suspicion([](double t, double) { return t; });
     CHECK(has(early, "miss what they should hit"));
     CHECK_FALSE(has(early, "radius"));
 }

@@ -21,14 +21,15 @@ namespace {
 const std::string worded = std::string(LOSTBITS_LIBRARIES) + "/worded.so";
 
 Convention from_inside(Inside inside, AtOrigin at_origin = AtOrigin::hit) {
-    Convention asked(at_origin);
-    asked.inside = inside;
-    return asked;
+    Convention convention(at_origin);
+    convention.inside = inside;
+    return convention;
 }
 
 /// The true t, to 2^-20 of itself; −1 for a miss.
-double true_t(const Ray<double>& ray, const Primitive<double>& primitive, Convention asked, double tmax = HUGE_VAL) {
-    const auto truth = find_truth(ray, primitive, {}, asked, {.tmax = tmax});
+double true_t(const Ray<double>& ray, const Primitive<double>& primitive, Convention convention,
+              double tmax = HUGE_VAL) {
+    const auto truth = find_truth(ray, primitive, {}, convention, {.tmax = tmax});
     REQUIRE(truth.decision != measure::truth::Truth::Decision::unresolved);
     return truth.is_hit() ? std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent)) : -1;
 }
@@ -39,7 +40,7 @@ TEST_CASE("words: plugin check names the missing property and accepts a form wit
     const Scratch folder;
     const Outcome o = run("plugin check " + worded, folder.path());
     CHECK(o.code == 3);  // the last form ends it
-    const auto finding = [&o](const std::string& form) { return finding_of(o, form); };
+    const auto finding = [&o](const std::string& form) { return find_output_of(o, form); };
     for (const std::string form :
          {"clipped",     "clipped_ahead", "zero",          "misses",        "exit_at_origin",
           "near",        "signed_near",   "near_line",     "insists",       "box_exit",
@@ -183,12 +184,12 @@ TEST_CASE("words: batches and single rays have the same truth", "[external]") {
     int different = 0;
     for (const Inside inside : {Inside::usual, Inside::exit, Inside::zero, Inside::miss}) {
         for (const bool endless : {false, true}) {
-            Convention asked = from_inside(inside);
-            asked.endless = endless;
+            Convention convention = from_inside(inside);
+            convention.endless = endless;
             for (std::size_t i = 0; i < rays.size(); ++i) {
                 const auto one =
-                    find_truth(rays[i], std::span<const Primitive<double>>(primitives), {}, asked, rays.range(i));
-                const auto known = band.truth(i, asked);
+                    find_truth(rays[i], std::span<const Primitive<double>>(primitives), {}, convention, rays.range(i));
+                const auto known = band.truth(i, convention);
                 INFO(i << ' ' << static_cast<int>(inside));
                 REQUIRE(one.decision == known.decision);
                 REQUIRE(one.primitive == known.primitive);
@@ -211,7 +212,7 @@ TEST_CASE("words: contradictory properties are refused, and older libraries keep
                            {"inside=out", "it must be one of usual, exit, zero, near, miss"}});
     for (const std::string words : {"flags=clipped\\nat_origin=exit", "roots=none\\nflags=no_end\\nshape=box",
                                     "shape=box\\ninside=exit\\nat_origin=miss", "roots=near\\nflags=line"})
-        CHECK(listed_by_pipe(words).code == 0);
+        CHECK(list_by_pipe(words).code == 0);
 }
 
 TEST_CASE("words: a form that takes the range of a ray is tested on it, in this process, through a pipe and on boxes") {

@@ -11,8 +11,8 @@ namespace {
 Answer<float> any(const Ray<float>&, const Sphere<float>&) { return miss; }
 
 lb_form chosen() {
-    const char* const asked = std::getenv("ODD_CONTRACT");
-    const auto is = [asked](const char* word) { return asked != nullptr && std::strcmp(asked, word) == 0; };
+    const char* const mistake = std::getenv("ODD_CONTRACT");
+    const auto is = [mistake](const char* word) { return mistake != nullptr && std::strcmp(mistake, word) == 0; };
     lb_form f = form<any>("wrong.form");
     if (is("no_name")) f.name = nullptr;
     if (is("name")) f.name = "../../etc/passwd";
@@ -34,9 +34,9 @@ extern "C" const lb_form* lostbits_forms(int abi, std::size_t* count) {
     static lb_form forms[2];
     forms[0] = chosen();
     forms[1] = chosen();
-    const char* const asked = std::getenv("ODD_CONTRACT");
-    const bool twice = asked != nullptr && std::strcmp(asked, "twice") == 0;
-    *count = asked != nullptr && std::strcmp(asked, "none") == 0 ? 0 : twice ? 2 : 1;
-    if (asked != nullptr && std::strcmp(asked, "version") == 0) return nullptr;
+    const char* const mistake = std::getenv("ODD_CONTRACT");
+    const bool twice = mistake != nullptr && std::strcmp(mistake, "twice") == 0;
+    *count = mistake != nullptr && std::strcmp(mistake, "none") == 0 ? 0 : twice ? 2 : 1;
+    if (mistake != nullptr && std::strcmp(mistake, "version") == 0) return nullptr;
     return abi == LOSTBITS_PLUGIN_ABI ? forms : nullptr;
 }

@@ -29,7 +29,7 @@ inline Found right(const Ray<double>& ray, const Primitive<double>& primitive) {
 }
 
 /// A function of one ray as a form that returns the first root.
-inline ForeignForm solved_by(Shape shape, const Solves& solve) {
+inline ForeignForm make_form(Shape shape, const Solves& solve) {
     Contract contract{.name = "made." + std::string(row_of(shape).name), .title = {}, .source = {}, .shape = shape};
     contract.bits = 64;
     contract.roots = intersect::Roots::first_only;
@@ -57,7 +57,7 @@ inline double extent_of(const Primitive<double>& primitive) {
 
 /// The primitive with each of its points moved and its lengths multiplied by a factor.
 template <class Point>
-Primitive<double> changed(const Primitive<double>& primitive, const Point& point, double factor = 1) {
+Primitive<double> change_points(const Primitive<double>& primitive, const Point& point, double factor = 1) {
     Primitive<double> other = primitive;
     for_each_key(primitive.shape, [&](const Key& key, std::size_t k) {
         if (key.kind == Key::Kind::point) other.set_point(k, point(primitive.point(k)));
@@ -66,7 +66,7 @@ Primitive<double> changed(const Primitive<double>& primitive, const Point& point
     });
     return other;
 }
-inline Vec<double> y_for_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
+inline Vec<double> exchange_y_and_z(const Vec<double>& v) { return {v.x, v.z, v.y}; }
 
 /// One mistake.
 struct Mistake {
@@ -75,11 +75,11 @@ struct Mistake {
 };
 
 /// Mistakes that can be made for any shape.
-inline std::vector<Mistake> error_cases_of_all() {
+inline std::vector<Mistake> make_common_mistakes() {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
-    const auto moved = [](S s, const Vec<double>& by) {
-        return changed(s, [&](const Vec<double>& p) { return p + by; });
+    const auto translate = [](S s, const Vec<double>& by) {
+        return change_points(s, [&](const Vec<double>& p) { return p + by; });
     };
     return {
         {"never hits", [](R, S) { return Found(); }},
@@ -114,24 +114,24 @@ inline std::vector<Mistake> error_cases_of_all() {
              return t && *t < 1e-6 && *t > 0 ? Found() : t;
          }},
         {"takes it to lie around the origin",
-         [moved](R ray, S s) {
-             return right(ray, moved(s, Vec<double>(0, 0,
-                                                    s.shape == Shape::triangle || s.shape == Shape::disc ||
-                                                            s.shape == Shape::plane
-                                                        ? -2
-                                                        : 0) -
-                                            middle_of(s)));
+         [translate](R ray, S s) {
+             return right(ray, translate(s, Vec<double>(0, 0,
+                                                        s.shape == Shape::triangle || s.shape == Shape::disc ||
+                                                                s.shape == Shape::plane
+                                                            ? -2
+                                                            : 0) -
+                                                middle_of(s)));
          }},
-        {"y for z in points", [](R ray, S s) { return right(ray, changed(s, y_for_z)); }},
+        {"y for z in points", [](R ray, S s) { return right(ray, change_points(s, exchange_y_and_z)); }},
         {"half as large",
          [](R ray, S s) {
              const Vec<double> m = middle_of(s);
-             return right(ray, changed(
+             return right(ray, change_points(
                                    s, [&m](const Vec<double>& p) { return m + 0.5 * (p - m); }, 0.5));
          }},
         {"1/8 off along x",
-         [moved](R ray, S s) {
-             return right(ray, moved(s, {extent_of(s) / 8, extent_of(s) / 8, extent_of(s) / 8}));
+         [translate](R ray, S s) {
+             return right(ray, translate(s, {extent_of(s) / 8, extent_of(s) / 8, extent_of(s) / 8}));
          }},
         {"hits at 0 from anywhere",
          [](R ray, S s) {
@@ -149,7 +149,7 @@ inline std::vector<Mistake> error_cases_of_all() {
 }
 
 /// Mistakes that can be made for one shape.
-inline std::vector<std::pair<Shape, Mistake>> error_case_of_one() {
+inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
     const auto on = [](auto change) { return Solves([change](R ray, S s) { return right(ray, change(s)); }); };

@@ -7,20 +7,20 @@
 #include "fuzz/fuzz.hpp"
 
 namespace {
-lostbits::fuzz::Fuzz* asked = nullptr;
+lostbits::fuzz::Fuzz* chosen_fuzz = nullptr;
 }  // namespace
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
     const char* const name = std::getenv("LOSTBITS_FUZZ_TARGET");
     for (const auto& target : lostbits::fuzz::targets) {
         if (name == nullptr) std::puts(std::string(target.name).c_str());
-        else if (target.name == name) asked = target.run;
+        else if (target.name == name) chosen_fuzz = target.run;
     }
-    if (asked == nullptr) std::exit(name == nullptr ? 0 : 2);
+    if (chosen_fuzz == nullptr) std::exit(name == nullptr ? 0 : 2);
     return 0;
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    asked({reinterpret_cast<const char*>(data), size});
+    chosen_fuzz({reinterpret_cast<const char*>(data), size});
     return 0;
 }

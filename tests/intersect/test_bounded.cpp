@@ -20,7 +20,7 @@ namespace {
 using intersect::table::Intersector;
 
 struct Tally {
-    std::atomic<std::uint64_t> asked = 0, hits = 0, finite = 0, proved = 0, known = 0;
+    std::atomic<std::uint64_t> ray_count = 0, hits = 0, finite = 0, proved = 0, known = 0;
     std::atomic<std::uint64_t> other_bits = 0, below = 0, wrong = 0;
 };
 
@@ -45,7 +45,7 @@ template <class S>
 void check_ray(const Intersector& form, const HostileRay& x, Tally& tally) {
     const Format format = *find_format(sizeof(S) == 4 ? "f32" : "f64");
     const auto own = form.bounded(format, x.ray, intersect::Target<double>(x.primitive), HUGE_VAL);
-    ++tally.asked;
+    ++tally.ray_count;
     const auto stored = [](double v) { return static_cast<S>(v); };
     const Primitive<S> primitive = convert_numbers(x.primitive, stored);
     const S o[6] = {stored(x.ray.origin.x),    stored(x.ray.origin.y),    stored(x.ray.origin.z),
@@ -108,7 +108,7 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed, bool any_scale = false
             Tally tally;
             if (narrow) check_form<float>(form, rays / rows, seed, tally, any_scale);
             else check_form<double>(form, rays / rows, seed, tally, any_scale);
-            INFO(form.info->name << (narrow ? " f32: " : " f64: ") << tally.asked << " rays, " << tally.proved
+            INFO(form.info->name << (narrow ? " f32: " : " f64: ") << tally.ray_count << " rays, " << tally.proved
                                  << " decisions proved, " << tally.known << " known exactly, " << tally.hits
                                  << " hits, " << tally.finite << " with a bound");
             CHECK(tally.other_bits == 0);
@@ -118,7 +118,7 @@ void check_bounds(std::uint64_t rays, std::uint64_t seed, bool any_scale = false
             // A bound that adds up what operations lose does not see that a second word holds what the first has lost.
             // A solver of tori divides by numbers that may be 0 within their bounds.
             if (form.shape != Shape::torus)
-                CHECK(tally.proved > tally.asked / (form.info->name == "ellipsoid.two_words" ? 64 : 8));
+                CHECK(tally.proved > tally.ray_count / (form.info->name == "ellipsoid.two_words" ? 64 : 8));
             // Some forms have no bound: closest_approach uses the sign of a number that is zero without rounding.
             if (form.info->name == "sphere.schoolbook") CHECK(tally.finite > tally.hits / 3);
             if (form.info->name == "box.signs") CHECK(tally.finite > tally.hits * 9 / 10);
@@ -138,11 +138,12 @@ TEST_CASE("running error bounds hold over all exponents of the format", "[inters
 }
 
 TEST_CASE("running error bounds hold over a chosen number of rays", "[.][long-bounds]") {
-    const char* const asked = std::getenv("LOSTBITS_RAYS");
+    const char* const ray_count_text = std::getenv("LOSTBITS_RAYS");
     const char* const seed = std::getenv("LOSTBITS_SEED");
-    check_bounds(asked ? std::strtoull(asked, nullptr, 10) : 10000000, seed ? std::strtoull(seed, nullptr, 10) : 2);
-    check_bounds(asked ? std::strtoull(asked, nullptr, 10) : 10000000, seed ? std::strtoull(seed, nullptr, 10) : 2,
-                 true);
+    check_bounds(ray_count_text ? std::strtoull(ray_count_text, nullptr, 10) : 10000000,
+                 seed ? std::strtoull(seed, nullptr, 10) : 2);
+    check_bounds(ray_count_text ? std::strtoull(ray_count_text, nullptr, 10) : 10000000,
+                 seed ? std::strtoull(seed, nullptr, 10) : 2, true);
 }
 
 TEST_CASE("a bound proves only what its error allows", "[number][bounded]") {

@@ -20,7 +20,7 @@ using intersect::DecidingArithmetic;
 using intersect::table::Intersector;
 
 struct Tally {
-    std::atomic<std::uint64_t> asked = 0, exact = 0, shared_out = 0, hits = 0;
+    std::atomic<std::uint64_t> ray_count = 0, exact = 0, shared_out = 0, hits = 0;
     std::atomic<std::uint64_t> other_bits = 0, other_way = 0, turned = 0, inexact = 0, of_constants = 0;
 };
 
@@ -70,7 +70,7 @@ void check_ray(const Intersector& form, const Format& format, const HostileRay& 
     Tape tape;
     form.record(format, s.ray, s.target(form), s.tmax, tape);
     const auto [hit, t, near, far] = tape.outputs;
-    ++tally.asked;
+    ++tally.ray_count;
     tally.other_bits += (tape[hit].value != 0) != want.hit || !same_number(tape[t].value, want.t) ||
                         !same_number(tape[near].value, want.near) || !same_number(tape[far].value, want.far);
     const DecidingArithmetic way = form.deciding_arithmetic(format, s.ray, s.target(form), s.tmax);
@@ -102,7 +102,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
             if (asks_steps(form) || !broken_limit(x.primitive)) check_ray(form, format, x, shares, tally);
         }
     });
-    INFO(form.info->name << " in " << format.name << (any_scale ? " at any scale" : "") << ": " << tally.asked
+    INFO(form.info->name << " in " << format.name << (any_scale ? " at any scale" : "") << ": " << tally.ray_count
                          << " rays, " << tally.exact << " settled exactly, " << tally.shared_out << " shared out, "
                          << tally.hits << " of them hits");
     CHECK(tally.other_bits == 0);
@@ -110,7 +110,7 @@ void check_form(const Intersector& form, const Format& format, std::uint64_t ray
     CHECK(tally.turned == 0);
     CHECK(tally.inexact == 0);
     CHECK(tally.of_constants == 0);
-    CHECK(tally.exact > tally.asked / 128);
+    CHECK(tally.exact > tally.ray_count / 128);
     CHECK(tally.hits > 0);
 }
 

@@ -329,9 +329,9 @@ TEST_CASE("every function of lostbits.h is covered by these tests", "[library]")
         if (!name.starts_with("lostbits_")) continue;
         name.erase(0, 9);
         INFO(name);
-        const bool asked =
+        const bool is_tested =
             std::ranges::any_of(functions, [&](const Function& function) { return function.name == name; });
-        CHECK(asked != left_out.contains(name));
+        CHECK(is_tested != left_out.contains(name));
     }
     CHECK(pclose(names) == 0);
 }

@@ -57,8 +57,8 @@ inline std::vector<measure::evaluate::TestedForm> all_rows(Shape shape,
 }
 
 /// The t that a form returns for one ray and one primitive alone; empty for a miss.
-inline std::optional<double> asked_alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray,
-                                         const Primitive<double>& primitive, double tmax = HUGE_VAL) {
+inline std::optional<double> evaluate_alone(const measure::evaluate::TestedForm& row, const Ray<double>& ray,
+                                            const Primitive<double>& primitive, double tmax = HUGE_VAL) {
     return measure::answer::evaluate_one(*row.form, row.format, ray, primitive, tmax);
 }
 

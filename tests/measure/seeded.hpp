@@ -60,7 +60,7 @@ inline Vec<double> stored(const Vec<double>& v, const FloatFormat& format) {
 }
 
 /// The stored number `ulps` places further from zero (nearer if negative); stays finite and keeps its sign.
-inline double nudged(double x, std::int64_t ulps, const FloatFormat& format) {
+inline double nudge(double x, std::int64_t ulps, const FloatFormat& format) {
     if (format == binary32) {
         const auto size =
             static_cast<std::int64_t>(std::bit_cast<std::uint32_t>(static_cast<float>(std::fabs(x)))) + ulps;

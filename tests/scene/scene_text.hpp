@@ -50,7 +50,7 @@ inline bool has(const std::string& text, const std::string& part) { return text.
 
 inline Real real(const std::string& text) { return std::get<Real>(scene::toml::parse_number(text)); }
 
-inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+inline std::string replace_text(std::string text, const std::string& from, const std::string& to) {
     const std::size_t at = text.find(from);
     if (at == std::string::npos) throw std::logic_error("the test replaces what is not there: " + from);
     return text.replace(at, from.size(), to);
@@ -97,14 +97,14 @@ inline std::string scene_error(const std::string& text, const scene::file::LoadO
     return error_in(folder, [&] { scene::file::load_scene(file, options); });
 }
 
-inline std::vector<scene::file::Scene> all_loaded(const std::string& text,
-                                                  const scene::file::LoadOptions& options = {}) {
+inline std::vector<scene::file::Scene> load_scenes(const std::string& text,
+                                                   const scene::file::LoadOptions& options = {}) {
     const Scratch folder;
     return scene::file::load_scene(folder.write("scene.toml", text), options);
 }
 
-inline scene::file::Scene loaded(const std::string& text, const scene::file::LoadOptions& options = {}) {
-    return all_loaded(text, options).at(0);
+inline scene::file::Scene load_text(const std::string& text, const scene::file::LoadOptions& options = {}) {
+    return load_scenes(text, options).at(0);
 }
 
 }  // namespace lostbits::scene::test

@@ -76,11 +76,12 @@ TEST_CASE("shader bits: the analytic sphere with explicit sums has the bits of s
 
 TEST_CASE("shader bits: dot differs only in the order of its sum", "[shader-device]") {
     const Scratch folder;
-    const std::string text = replaced(contents(examples + "sphere_in_order.glsl"),
-                                      "(f.x * f.x + f.y * f.y + f.z * f.z)", "(f.x * f.x + (f.y * f.y + f.z * f.z))");
-    const std::string from_the_right =
-        folder.write("from_the_right.glsl",
-                     replaced(text, "rd.x * f.x + rd.y * f.y + rd.z * f.z", "rd.x * f.x + (rd.y * f.y + rd.z * f.z)"));
+    const std::string text =
+        replace_text(contents(examples + "sphere_in_order.glsl"), "(f.x * f.x + f.y * f.y + f.z * f.z)",
+                     "(f.x * f.x + (f.y * f.y + f.z * f.z))");
+    const std::string from_the_right = folder.write(
+        "from_the_right.glsl",
+        replace_text(text, "rd.x * f.x + rd.y * f.y + rd.z * f.z", "rd.x * f.x + (rd.y * f.y + rd.z * f.z)"));
     const std::string scene = "rtg-fig-7-3-4100-oblique";
     const auto out = map_of(folder, scene,
                             "--shader " + examples + "sphere.glsl --shader " + from_the_right +
@@ -165,8 +166,8 @@ TEST_CASE("shader bits: shaders that depend on the order of operations need prec
 TEST_CASE("shader bits: a march that uses length differs only in the order of its sum", "[shader-device]") {
     const Scratch folder;
     std::string text = contents(examples + "sphere_tracer.glsl");
-    const std::string asked = "length(p - sphere.xyz) - sphere.w";
-    REQUIRE(has(text, asked));
+    const std::string distance_text = "length(p - sphere.xyz) - sphere.w";
+    REQUIRE(has(text, distance_text));
     const std::string square = "(p.@ - sphere.@) * (p.@ - sphere.@)";
     const auto of = [&square](char axis) {
         std::string s = square;
@@ -174,7 +175,7 @@ TEST_CASE("shader bits: a march that uses length differs only in the order of it
             if (c == '@') c = axis;
         return s;
     };
-    text.replace(text.find(asked), asked.size(),
+    text.replace(text.find(distance_text), distance_text.size(),
                  "sqrt(" + of('x') + " + (" + of('y') + " + " + of('z') + ")) - sphere.w");
     const auto out =
         map_of(folder, "sdf-sphere",

@@ -56,7 +56,7 @@ TEST_CASE("shader ranges: ray ranges are respected on every driver and in HLSL",
     folder.write("segment.toml", scene("tmax = 4.125", sphere));
     std::string text = contents(examples + "sphere_in_range.glsl");
     // A function that ignores where rays begin.
-    folder.write("ends_alone.glsl", replaced(replaced(text, "h < tmin", "h < 0.0"), "t < tmin || ", ""));
+    folder.write("ends_alone.glsl", replace_text(replace_text(text, "h < tmin", "h < 0.0"), "t < tmin || ", ""));
     for (std::size_t at = 0; (at = text.find("vec3", at)) != std::string::npos;) text.replace(at, 4, "float3");
     const std::string both = " format=both";
     text.erase(text.find(both), both.size());

@@ -275,13 +275,13 @@ int main(int count, char** words) {
     }
 
     Progress progress;
-    int status = 0, asked = 0;
+    int status = 0, end_signal = 0;
     bool over = false;
     long ended_ticks = 0;
     std::string fault;
-    for (timespec last{}, now{}; !over && fault.empty() && asked == 0;) {
+    for (timespec last{}, now{}; !over && fault.empty() && end_signal == 0;) {
         const int signal = wait_a_second(set);
-        if (signal != 0 && signal != SIGCHLD) asked = signal;
+        if (signal != 0 && signal != SIGCHLD) end_signal = signal;
         reap(test, status, over, ended_ticks);
         clock_gettime(CLOCK_MONOTONIC, &now);
         if (over || (signal != 0 && now.tv_sec - last.tv_sec < 2)) continue;  // children that end are no second
@@ -299,7 +299,7 @@ int main(int count, char** words) {
     end_all();
     const std::string left = folder.remove();
     if (!left.empty()) say("the test left in its temporary folder:" + left);
-    if (asked != 0) end_by(asked);
+    if (end_signal != 0) end_by(end_signal);
     if (!fault.empty()) return 1;
     if (WIFSIGNALED(status)) end_by(WTERMSIG(status));
     return WEXITSTATUS(status) == 0 && !left.empty() ? 1 : WEXITSTATUS(status);

@@ -189,7 +189,7 @@ ClaimResult judge_closest(const Claim& claim, const TableSubject& subject, std::
     const double measured = find_for_claim(
         claim, [&] { return measure_closest_t_difference(tested_form_of(form_claim), subject.argument, seed, limit); });
     auto result = judge_measured_value(claim, measured, nullptr);
-    result.sample_count = scene::box::BoxDistribution{}.views;
+    result.sample_count = scene::box::BoxDistribution{}.view_count;
     return result;
 }
 

@@ -201,7 +201,7 @@ std::vector<int> allowed_processors() {
     return processors.empty() ? std::vector{0} : processors;
 }
 
-std::vector<double> measure_thread_speedups(const WorkOfThread& work, const ThreadPlan& plan) {
+std::vector<double> measure_thread_speedups(const ThreadWorkFactory& work, const ThreadPlan& plan) {
     const auto allowed = allowed_processors();
     const std::size_t count = plan.thread_count == 0 ? allowed.size() : plan.thread_count;
     std::vector<int> processors;

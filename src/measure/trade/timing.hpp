@@ -85,11 +85,11 @@ struct ThreadPlan {
 };
 
 /// Makes the work of a thread: the returned function is called repeatedly on that thread, on memory of its own.
-using WorkOfThread = std::function<std::function<void()>(std::size_t thread)>;
+using ThreadWorkFactory = std::function<std::function<void()>(std::size_t thread)>;
 
 /// Measures the speedup by threads: the passes per second of all threads together, each on a processor of its own,
 /// divided by the passes per second of a single thread. Returns one quotient per repetition. The single thread runs on
 /// each processor in turn. Perfect scaling is the number of threads. Uses steady_clock.
-std::vector<double> measure_thread_speedups(const WorkOfThread& work, const ThreadPlan& plan);
+std::vector<double> measure_thread_speedups(const ThreadWorkFactory& work, const ThreadPlan& plan);
 
 }  // namespace lostbits::measure::trade

@@ -89,21 +89,21 @@ Ray<double> ray_from_surface(Random& random, const F& distribution, const Primit
 template <class F>
 struct AimedDistribution {
     int aim = 0;
-    RayStart begin = RayStart::away;
+    RayStart start = RayStart::away;
     double size = 1;                 ///< approximate size of the primitive, world units
     double distance = 4;             ///< from the eye to the point aimed at, in sizes
     double aside = 0;                ///< distance by which the point is moved, in any direction, in sizes
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 1024;                ///< number of primitives; the rays at one primitive form one sample
-    int rays = 1;                    ///< rays per primitive
+    int view_count = 1024;           ///< number of primitives; the rays at one primitive form one sample
+    int ray_count = 1;               ///< rays per primitive
     std::uint64_t seed = 1;
 
     /// Reads the table. Throws InputError with a position for anything out of range.
     static F read(toml::TableReader table) {
         F f;
         if constexpr (requires { F::aims; }) table.read("aim", f.aim, F::aims);
-        table.read("begin", f.begin, ray_start_names);
+        table.read("begin", f.start, ray_start_names);
         table.read_number("size", f.size, 0x1p-100, 0x1p+100);
         table.read_number("distance", f.distance, 0, 0x1p+100);
         table.read_number("aside", f.aside, 0, 0x1p+20);
@@ -120,15 +120,15 @@ struct AimedDistribution {
             const Primitive<double> primitive = draw_primitive(offset_of(f));
             RayGroup group;
             group.primitives.push_back(primitive);
-            if (f.begin == RayStart::on_other)
+            if (f.start == RayStart::on_other)
                 group.primitives.push_back(
                     draw_primitive(offset_of(f) + (f.distance * f.size) * draw_direction(random)));
-            for (int i = 0; i < f.rays; ++i) {
+            for (int i = 0; i < f.ray_count; ++i) {
                 const Vec<double> random_direction = draw_direction(random),
                                   shift = (f.aside * f.size) * draw_direction(random);
                 const AimedPlace target = F::draw_target(random, primitive, f.aim);
                 const Vec<double> point = target.point + shift;
-                if (f.begin == RayStart::on_other) {
+                if (f.start == RayStart::on_other) {
                     group.rays.push(ray_from_surface(random, f, group.primitives[1], point, random_direction));
                     continue;
                 }

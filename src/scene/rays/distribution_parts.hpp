@@ -27,8 +27,8 @@ struct HitsAndMisses {
 /// the same primitive.
 template <class F>
 F with_single_view(F distribution) {
-    distribution.views = 1;
-    distribution.rays = 4096;
+    distribution.view_count = 1;
+    distribution.ray_count = 4096;
     distribution.seed = 7;
     return distribution;
 }
@@ -43,8 +43,8 @@ template <class F>
 void read_common_keys(toml::TableReader& table, F& distribution) {
     table.read_number("direction_magnitude", distribution.direction_magnitude, 0x1p-120, 0x1p+120);
     table.read_number("offset", distribution.offset, -0x1p+100, 0x1p+100);
-    table.read("views", distribution.views, 1, 4096);
-    table.read("rays", distribution.rays, 1, 65536);
+    table.read("views", distribution.view_count, 1, 4096);
+    table.read("rays", distribution.ray_count, 1, 65536);
     table.read("seed", distribution.seed, 0, 1LL << 53);
     table.require_known_keys();
 }
@@ -66,7 +66,7 @@ template <class F, class Draw>
 std::vector<RayGroup> draw_views(const F& distribution, Draw draw) {
     Random random(distribution.seed);
     std::vector<RayGroup> groups;
-    for (int v = 0; v < distribution.views; ++v) {
+    for (int v = 0; v < distribution.view_count; ++v) {
         groups.push_back(draw(random, distribution));
         groups.back().rays.mark_as_list();
     }

@@ -138,7 +138,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
         if (std::ranges::find(distributions, distribution.name) == distributions.end()) continue;
         Seeded r(0x41);
         for (int n = 0; n < rays; ++n) {
-            const BoxSample s = distribution.make(r, binary32);
+            const BoxSample s = distribution.draw(r, binary32);
             const Primitive<double> triangle = triangle_in(r, s.box);
             if (!counts(s.ray.direction)) continue;
             if (measure::truth::is_valid(triangle) && truly_meets(s.ray, triangle, s.tmax)) {
@@ -162,7 +162,7 @@ Culls culls_in(const std::vector<std::string_view>& distributions, const std::ve
 
 }  // namespace
 
-TEST_CASE("rays at box edges of triangles are lost without padding and with 4u, never with 6u", "[hull]") {
+TEST_CASE("rays at edges of triangles' boxes are lost without padding and with 4u, never with 6u", "[hull]") {
     const std::vector<const char*> boxes{"box.signs",         "box.max_mult",      "box.bvh_robust", "box.tinybvh",
                                          "box.embree_robust", "box.embree_padded", "box.pbrt_padded"};
     const Culls found =
@@ -246,7 +246,7 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
     // order of floats.)
     std::map<Level, int> seen;
     for (const char* box_method : {"nearest", "outward"}) {
-        const Intersector& asked = *row("box.filtered", "box.signs", "box.signs", box_method);
+        const Intersector& intersector = *row("box.filtered", "box.signs", "box.signs", box_method);
         for (int j = 0; j < 16; ++j) {
             const Primitive<double> primitive = moved_by(
                 round_primitive(Box<double>{{0.25 + j / 999.0, 0.25, 0.25}, Vec<double>(0.75)}, binary32), 7401.1);
@@ -254,12 +254,13 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
             for (int k = -16; k <= 16; ++k) {
                 const Ray<double> ray{{box.lo.x, 0.5, -4}, {k * 0x1p-17, 0, 1}};
                 if (!measure::truth::find_truth(ray, primitive).is_hit()) continue;
-                const Level level = find_lost_level(asked, f32, ray, primitive, {}).lost_to;
+                const Level level = find_lost_level(intersector, f32, ray, primitive, {}).lost_to;
                 const bool in_world =
                     evaluate_one(form("box.signs"), f32, ray, Primitive<double>(box), HUGE_VAL).has_value();
                 CHECK((level == Level::world_box) == !in_world);
                 if (std::string_view(box_method) == "outward") CHECK(level != Level::world_box);
-                CHECK((level == Level::nothing) == evaluate_one(asked, f32, ray, primitive, HUGE_VAL).has_value());
+                CHECK((level == Level::nothing) ==
+                      evaluate_one(intersector, f32, ray, primitive, HUGE_VAL).has_value());
                 ++seen[level];
             }
         }
@@ -278,8 +279,8 @@ TEST_CASE("each level that can lose a hit is reported separately", "[hull]") {
         const Vec<double> edge = primitive.transform->map().point({0.5, 0.5, r.uniform(-0.4, 0.4)}), d = r.vec(-1, 1);
         const Ray<double> ray{test::stored(Vec<double>(edge - 4.0 * d), binary32), test::stored(d, binary32)};
         if (!measure::truth::find_truth(ray, primitive).is_hit()) continue;
-        const Intersector& asked = *row("box.filtered", "box.signs", "box.signs", "outward");
-        const auto levels = find_lost_level(asked, f32, ray, primitive, {});
+        const Intersector& intersector = *row("box.filtered", "box.signs", "box.signs", "outward");
+        const auto levels = find_lost_level(intersector, f32, ray, primitive, {});
         REQUIRE(levels.boxes.size() == 2);
         if (levels.lost_to != Level::space) continue;
         ++by_space;

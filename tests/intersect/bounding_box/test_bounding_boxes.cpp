@@ -150,7 +150,7 @@ TEST_CASE("corners transformed to world space in the format leave part of the pr
 }
 
 TEST_CASE("rays that truly hit a primitive truly hit its bounding box, at the same t or earlier", "[hull]") {
-    std::set<Shape> asked;
+    std::set<Shape> seen_shapes;
     for (const ShapeRow& row : shape_rows) {
         if (!has_bounding_box(row.shape)) continue;
         Seeded r(23);
@@ -168,10 +168,10 @@ TEST_CASE("rays that truly hit a primitive truly hit its bounding box, at the sa
                                       ? Rational(1) / Rational(std::ldexp(1.0, -static_cast<int>(truth.t.exponent)))
                                       : Rational(std::ldexp(1.0, static_cast<int>(truth.t.exponent)));
             CHECK(span.start() <= (Rational(truth.t.hi) + Rational(truth.t.lo) + Rational(truth.t.bound)) * unit);
-            asked.insert(row.shape);
+            seen_shapes.insert(row.shape);
         }
     }
-    CHECK(asked.size() == shape_rows.size() - 1);  // planes have no box
+    CHECK(seen_shapes.size() == shape_rows.size() - 1);  // planes have no box
 }
 
 }  // namespace test_bounding_boxes

@@ -27,7 +27,7 @@ TEST_CASE("forms without padding miss true hits of rays aimed at an edge", "[int
     const auto* const at_edge =
         std::ranges::find(test::box_distributions, std::string_view("at edge"), &test::BoxDistribution::name);
     for (int i = 0; i < 60000; ++i) {
-        const BoxSample s = at_edge->make(rng, binary32);
+        const BoxSample s = at_edge->draw(rng, binary32);
         if (ray_in_box(exactly(s.ray, s.box, s.tmax), true).is_empty()) continue;
         ++met;
         for (const auto& form : intersect::table::intersectors(Shape::box)) misses[form.info->name] += !hits(form, s);
@@ -44,7 +44,7 @@ TEST_CASE("forms without padding miss true hits of rays aimed at an edge", "[int
     CHECK(misses.at("box.exclusive") == misses.at("box.baseline"));  // no NaN on these rays
 }
 
-TEST_CASE("a padding of two last places is not quite enough for box.max_mult", "[intersect][box][formula]") {
+TEST_CASE("a padding of two ulps is not quite enough for box.max_mult", "[intersect][box][formula]") {
     // Three roundings on either side can separate near and far by 6u = 1.5·2^-22. Among 5·10^7 random rays across an
     // edge this was the only one found; pbrt_padded's 1 + 2γ(3) and embree_robust's 3ε on both sides missed none.
     const Ray<double> ray{{-0x1.9b6154p-1, -0x1.0cca1ep+1, 0}, {0x1.d53502p+0, 0x1.c9cd8ap+2, 0}};

@@ -185,7 +185,7 @@ TEST_CASE("forms of boxes give the answers worked out by hand", "[intersect][box
     }
 }
 
-TEST_CASE("the order of operands of min and max decides if a NaN is kept or dropped", "[intersect][box][known]") {
+TEST_CASE("the order of operands of min and max decides whether a NaN is kept or dropped", "[intersect][box][known]") {
     check_nan_order<float>();
     check_nan_order<double>();
     check_nan_order<Half>();

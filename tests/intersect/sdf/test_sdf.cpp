@@ -165,7 +165,7 @@ TEST_CASE("enclosures of the marches contain their unrounded results", "[interse
     std::size_t form = 0;
     intersect::SdfForms::for_each([&]<class Form>() {
         const intersect::table::Intersector& row = intersect::table::intersectors(Shape::sdf)[form++];
-        int decided = 0, asked = 0, wrong = 0;
+        int decided = 0, ray_count = 0, wrong = 0;
         for (int k = 0; k < 60; ++k) {
             const DrawnField field = draw_field(random, 3);
             const LiftedTarget<Wide> wide(field.target());
@@ -195,12 +195,12 @@ TEST_CASE("enclosures of the marches contain their unrounded results", "[interse
                                  mpfr_cmp(got.t.upper(), Wide(want.t - slack).backend().data()) < 0;
                     if (bits == 900) decided += !got.hit.is_unknown();
                 }
-                ++asked;
+                ++ray_count;
             }
         }
-        INFO(Form::info.name << " decided " << decided << " of " << asked);
+        INFO(Form::info.name << " decided " << decided << " of " << ray_count);
         CHECK(wrong == 0);
-        CHECK(decided > asked * 9 / 10);
+        CHECK(decided > ray_count * 9 / 10);
     });
 }
 

@@ -101,7 +101,7 @@ bool same(S a, S b) {
 }
 
 template <class S>
-std::size_t differences(const Answers<S>& a, const Answers<S>& b) {
+std::size_t count_differences(const Answers<S>& a, const Answers<S>& b) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < a.size; ++i)
         count +=

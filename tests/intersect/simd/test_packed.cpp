@@ -22,7 +22,7 @@ void compare_forms(Shape shape) {
             tally.note(want);
             for (const Isa isa : intersect::simd::available_isas())
                 wrong[static_cast<std::size_t>(isa)] +=
-                    differences(run(intersect::simd::all_packed_kernels(isa)[form], scene), want);
+                    count_differences(run(intersect::simd::all_packed_kernels(isa)[form], scene), want);
         }
         INFO(native[form].info->name << ": finite hits " << tally.finite_hits << ", misses " << tally.misses << ", NaN "
                                      << tally.not_a_number << " of " << tally.rays);
@@ -50,7 +50,7 @@ void compare_sizes(Shape shape, const Scene<S>& scene) {
                 if (intersect::table::intersectors()[form].shape != shape || !kernel_of<S>(native[form])) continue;
                 const Answers<S> got = run(intersect::simd::all_packed_kernels(isa)[form], scene.primitive, rays);
                 INFO(native[form].info->name << " in " << name_of(isa) << ", " << n << " rays");
-                CHECK(differences(got, run(native[form], scene.primitive, rays)) == 0);
+                CHECK(count_differences(got, run(native[form], scene.primitive, rays)) == 0);
                 CHECK(got.margin_is_untouched());
             }
     }

@@ -63,7 +63,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("the side from which a ray meets a triangle agrees with fractions", "[truth][triangle]") {
+TEST_CASE("the side from which a ray meets a triangle agrees with rational arithmetic", "[truth][triangle]") {
     std::map<std::string, std::array<int, 2>> met;
     for_each_triangle(
         static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& sample) {
@@ -92,13 +92,13 @@ TEST_CASE("the nearest of two triangles is chosen among those that face the ray"
     const Ray<double> ray{{1, 1, 5}, {0, 0, -1}};
     const std::array<std::pair<Facing, int>, 3> first{{{Facing::both, 0}, {Facing::front, 1}, {Facing::back, 0}}};
     for (const auto& [facing, object] : first) {
-        intersect::Convention asked;
-        asked.facing = facing;
-        CHECK(find_truth(ray, primitives, {}, asked).primitive == object);
+        intersect::Convention convention;
+        convention.facing = facing;
+        CHECK(find_truth(ray, primitives, {}, convention).primitive == object);
         // A mirror does not change a side that is decided in the space of the primitive.
         Primitive<double> mirrored(far);
         mirrored.transform = transform_of(std::array<double, 12>{-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0});
-        CHECK(find_truth(ray, mirrored, {}, asked).is_hit() == (facing != Facing::back));
+        CHECK(find_truth(ray, mirrored, {}, convention).is_hit() == (facing != Facing::back));
     }
 }
 
@@ -120,10 +120,10 @@ TEST_CASE("a batch of rays and single rays have the same truth for one-sided tri
     int different = 0;
     for (const Facing facing : {Facing::front, Facing::back}) {
         for (const AtOrigin at_origin : {AtOrigin::hit, AtOrigin::miss}) {
-            intersect::Convention asked(at_origin);
-            asked.facing = facing;
+            intersect::Convention convention(at_origin);
+            convention.facing = facing;
             for (std::size_t i = 0; i < rays.size(); ++i) {
-                const Truth alone = find_truth(rays[i], primitives, {}, asked), there = band.truth(i, asked);
+                const Truth alone = find_truth(rays[i], primitives, {}, convention), there = band.truth(i, convention);
                 INFO(i << ", facing " << static_cast<int>(facing));
                 REQUIRE(there.decision == alone.decision);
                 REQUIRE(there.primitive == alone.primitive);
@@ -138,12 +138,12 @@ TEST_CASE("a batch of rays and single rays have the same truth for one-sided tri
 TEST_CASE("rays through edges and vertices, and rays that start on a triangle, are settled in packs",
           "[truth][triangle]") {
     const auto before = intersect::simd::current_isa();
-    std::map<std::string, std::vector<TriangleSample>> asked;
+    std::map<std::string, std::vector<TriangleSample>> samples_by_distribution;
     for_each_triangle(static_cast<int>(draws(2000)),
                       [&](const TriangleDistribution& distribution, const TriangleSample& sample) {
-                          asked[distribution.name].push_back(sample);
+                          samples_by_distribution[distribution.name].push_back(sample);
                       });
-    for (const auto& [name, rays] : asked) {
+    for (const auto& [name, rays] : samples_by_distribution) {
         const Floats floats(rays);
         for (const Convention& convention : {Convention(), Convention(Touching::miss), Convention(AtOrigin::miss)}) {
             std::vector<Truth> right;

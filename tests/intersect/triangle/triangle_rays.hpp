@@ -84,7 +84,7 @@ inline void aim(TriangleSample& sample, const Vec<double>& point, double steps) 
 
 struct TriangleDistribution {
     const char* name;
-    TriangleSample (*make)(Seeded&);
+    TriangleSample (*draw)(Seeded&);
 };
 
 inline const TriangleDistribution triangle_distributions[] = {
@@ -184,7 +184,7 @@ void for_each_triangle(int each, const Visit& visit) {
     for (const TriangleDistribution& distribution : triangle_distributions) {
         Seeded rng(0x7a1);
         for (int i = 0; i < each; ++i) {
-            const TriangleSample s = in_floats(distribution.make(rng));
+            const TriangleSample s = in_floats(distribution.draw(rng));
             if (on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0))
                 continue;
             visit(distribution, s);

@@ -125,7 +125,7 @@ TEST_CASE("errors over ranges of rays stay within the bound - triangles", "[apri
         check_form(name, std::size(test::triangle_distributions),
                    [](const Format&, std::size_t distribution, Random& random) {
                        test::Seeded rng(random.bits());
-                       const auto s = test::in_floats(test::triangle_distributions[distribution].make(rng));
+                       const auto s = test::in_floats(test::triangle_distributions[distribution].draw(rng));
                        return test::HostileRay{s.ray, s.triangle, HUGE_VAL};
                    });
 }

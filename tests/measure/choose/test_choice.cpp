@@ -118,7 +118,7 @@ TEST_CASE("the format in which a form computes is read from its operations") {
     }
 }
 
-TEST_CASE("a scene stretched by 1 is unchanged, and by more shows the same picture from farther away") {
+TEST_CASE("stretching a scene by 1 changes nothing, and by more shows the same picture from farther away") {
     const Scene scene = scene_named("near-benign");
     for (const Growth growth : growths) {
         const auto same = stretch(scene, growth, 1);
@@ -163,14 +163,14 @@ TEST_CASE("a mesh, with a matrix or without, moves with everything else, and doe
 TEST_CASE("a requirement holds at the edge of the margin and fails just beyond it") {
     const Scene scene = scene_named("near-benign");
     ChoiceRequest request = request_of(scene, 16);
-    const TestedForm asked = row("sphere.schoolbook", "f32");
-    const auto margins = find_margins(request, asked, 48 * 48);
+    const TestedForm tested_form = row("sphere.schoolbook", "f32");
+    const auto margins = find_margins(request, tested_form, 48 * 48);
     REQUIRE(margins.size() == 4);
     const GrowthMargin& distance = margins[0];
     REQUIRE(distance.end == MarginEnd::fails);
     CHECK(distance.holding_factor >= 1);
     CHECK(distance.end_factor / distance.holding_factor <= 1.02);
-    request.tested_forms = {asked};
+    request.tested_forms = {tested_form};
     const auto at = [&](double factor) {
         const auto there = stretch(scene, Growth::distance, factor);
         ChoiceRequest there_asked = request;
@@ -184,10 +184,10 @@ TEST_CASE("a requirement holds at the edge of the margin and fails just beyond i
 }
 
 TEST_CASE("the margin ends where two spheres that differ only in radius round to one radius") {
-    const TestedForm asked = row("sphere.pythagoras", "f64");
-    const auto edge = [&asked](const std::string& variant) {
+    const TestedForm tested_form = row("sphere.pythagoras", "f64");
+    const auto edge = [&tested_form](const std::string& variant) {
         const Scene scene = scene_named("rtg-fig-7-4." + variant);
-        const auto margins = find_margins(request_of(scene, 16), asked, 4096);
+        const auto margins = find_margins(request_of(scene, 16), tested_form, 4096);
         const auto radius = std::ranges::find(margins, Growth::radius, &GrowthMargin::growth);
         REQUIRE(radius != margins.end());
         REQUIRE(radius->end == MarginEnd::fails);
@@ -199,8 +199,8 @@ TEST_CASE("the margin ends where two spheres that differ only in radius round to
 TEST_CASE("a margin ends where binary32 stores a different scene, even if all decisions are right there") {
     const Scene scene = scene_named("near-benign");
     const ChoiceRequest request = request_of(scene, 16);
-    const TestedForm asked = row("sphere.unified", "f64");
-    const auto margins = find_margins(request, asked, 48 * 48);
+    const TestedForm tested_form = row("sphere.unified", "f64");
+    const auto margins = find_margins(request, tested_form, 48 * 48);
     const auto offset = std::ranges::find(margins, Growth::offset, &GrowthMargin::growth);
     REQUIRE(offset != margins.end());
     CHECK(offset->end == MarginEnd::other_scene);
@@ -210,7 +210,7 @@ TEST_CASE("a margin ends where binary32 stores a different scene, even if all de
     own.inputs = scene::file::InputRounding::own;
     ChoiceRequest of_own = request;
     of_own.scene = &own;
-    const auto own_rooms = find_margins(of_own, asked, 24 * 24);
+    const auto own_rooms = find_margins(of_own, tested_form, 24 * 24);
     CHECK(std::ranges::find(own_rooms, Growth::offset, &GrowthMargin::growth)->end != MarginEnd::other_scene);
 }
 

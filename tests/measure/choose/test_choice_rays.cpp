@@ -35,7 +35,7 @@ Columns columns_of(const scene::rays::RayBlock& rays, std::size_t from, std::siz
 }
 
 std::string written(const lostbits::test::Scratch& folder, const std::string& name, const Columns& columns) {
-    return folder.write(name + ".csv", scene::test::as_csv(columns, [](double x) { return output::file::decimal(x); }));
+    return folder.write(name + ".csv", scene::test::to_csv(columns, [](double x) { return output::file::decimal(x); }));
 }
 
 std::unique_ptr<scene::ray_file::RayFile> opened(const std::string& path, bool primitives) {
@@ -150,7 +150,7 @@ TEST_CASE("files of different kinds are not read together") {
     CHECK_THROWS_AS(scene::ray_file::join_ray_files(std::move(files)), InputError);
 }
 
-TEST_CASE("rays stretched by 1 are unchanged, and by more meet the same points from farther away") {
+TEST_CASE("stretching rays by 1 changes nothing, and by more meets the same points from farther away") {
     const Scene scene = scene_of_choice("near-benign", {16, 12});
     const scene::rays::RayGroup group{scene::rays::make_shared_rays(scene, 0, 12),
                                       scene::rays::make_shared_primitives(scene)};

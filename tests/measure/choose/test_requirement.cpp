@@ -61,20 +61,20 @@ struct MeasuredRequirement {
 MeasuredRequirement require(const scene::file::Scene& scene, const std::vector<TestedForm>& tested_forms,
                             const std::vector<double>& prices, double bits,
                             const std::vector<TestedForm>& untimed_forms = {}) {
-    MeasuredRequirement asked{
+    MeasuredRequirement measured{
         .request = {.scene = &scene, .tested_forms = tested_forms, .untimed_forms = untimed_forms},
         .all = {},
         .requirement_map = {}};
-    asked.request.requirement.bits = bits;
-    PassingPixelsByForm meetings(asked.request, tested_forms);
-    asked.request.show = meetings.show();
-    const auto quality = measure_quality(asked.request);
+    measured.request.requirement.bits = bits;
+    PassingPixelsByForm meetings(measured.request, tested_forms);
+    measured.request.show = meetings.show();
+    const auto quality = measure_quality(measured.request);
     for (std::size_t r = 0; r < tested_forms.size(); ++r) {
-        asked.all.push_back({.tested_form = tested_forms[r], .quality = quality[r]});
-        asked.all.back().time.median = prices[r];
+        measured.all.push_back({.tested_form = tested_forms[r], .quality = quality[r]});
+        measured.all.back().time.median = prices[r];
     }
-    asked.requirement_map = make_requirement_map(asked.request, asked.all, meetings);
-    return asked;
+    measured.requirement_map = make_requirement_map(measured.request, measured.all, meetings);
+    return measured;
 }
 
 }  // namespace

@@ -161,8 +161,8 @@ TEST_CASE("a chord from either end agrees with 256 bits, where rounded ends are 
         // The ends must lie outside, or a side is left out.
         if (!(near > 0 && near < 1 && near_back > 0 && near_back < 1)) continue;
         ++seen;
-        const auto told = [](const Real& x) { return static_cast<double>(static_cast<float>(x)); };
-        const ChordAnswer chord{told(near), told(far), told(near_back), told(far_back)};
+        const auto to_answer = [](const Real& x) { return static_cast<double>(static_cast<float>(x)); };
+        const ChordAnswer chord{to_answer(near), to_answer(far), to_answer(near_back), to_answer(far_back)};
         const double ulp = 0x1p-23;
         const auto error = compute_chord_error(ends, chord, false, ulp);
         REQUIRE(error);

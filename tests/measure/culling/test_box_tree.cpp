@@ -71,7 +71,7 @@ Vec<double> target(const Primitive<double>& primitive, bool first) {
 }  // namespace
 
 TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]") {
-    std::size_t met = 0, asked = 0, pairs = 0;
+    std::size_t met = 0, candidate_count = 0, pairs = 0;
     for (int round = 0; round < 60; ++round) {
         RandomPoints draw(static_cast<std::uint64_t>(round) + 1);
         // Squares of the truth's polynomials must not leave the doubles' range only in the tree: sizes 2^-90 to 2^90.
@@ -97,7 +97,7 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
             CHECK(std::ranges::equal(lists.candidates_of(i), found));
             CHECK(std::ranges::is_sorted(found));
             CHECK(std::ranges::adjacent_find(found) == found.end());
-            asked += found.size(), pairs += primitives.size();
+            candidate_count += found.size(), pairs += primitives.size();
             for (std::uint32_t s = 0; s < primitives.size(); ++s) {
                 if (!find_truth(rays[i], primitives[s]).is_hit()) continue;
                 ++met;
@@ -107,10 +107,10 @@ TEST_CASE("a tree of boxes finds every primitive that a ray meets", "[culling]")
         }
     }
     CHECK(met > 2000);
-    CHECK(asked < pairs / 2);  // and it spares most of the others
+    CHECK(candidate_count < pairs / 2);  // and it spares most of the others
 }
 
-TEST_CASE("candidates of more rays than walk down a tree together are those of each", "[culling]") {
+TEST_CASE("rays that walk down a tree in several groups have the candidates of each ray alone", "[culling]") {
     RandomPoints draw(11);
     std::vector<Ray<double>> rays;
     for (int i = 0; i < 700; ++i) rays.push_back({draw.point(8), draw.point(1)});
@@ -302,7 +302,7 @@ Ray<double> ray_at(RandomPoints& draw, const Triangle<double>& face, double size
 }  // namespace
 
 TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie at any scale", "[culling]") {
-    std::size_t hits = 0, ties = 0, asked = 0, pairs = 0;
+    std::size_t hits = 0, ties = 0, candidate_count = 0, pairs = 0;
     for (const FloatFormat& format : {binary32, binary64}) {
         for (const int power : {0, -20, 30, -90, 90, -300, 300}) {
             if (std::abs(power) > 90 && format.precision == binary32.precision) continue;
@@ -326,7 +326,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
                 CHECK(a.decision == b.decision);
                 CHECK(a.primitive == b.primitive);
                 culler.index_for_truth()->find_candidates(group.rays[i], found);
-                asked += found.size(), pairs += primitives.size();
+                candidate_count += found.size(), pairs += primitives.size();
                 if (!a.is_hit() || !b.is_hit()) continue;
                 CHECK(compare(a.t, b.t) == 0);
                 ++hits;
@@ -341,7 +341,7 @@ TEST_CASE("one tree over a mesh for all rays changes neither the truth nor a tie
     }
     CHECK(hits > 1000);
     CHECK(ties > 500);
-    CHECK(asked < pairs / 4);
+    CHECK(candidate_count < pairs / 4);
 }
 
 TEST_CASE("the nearest primitive in a tree is the nearest of all", "[culling]") {

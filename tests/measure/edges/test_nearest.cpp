@@ -72,7 +72,7 @@ TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by tr
                 for (int axis = 0; axis < 3; ++axis) CHECK(rounding::to_format(v[axis], 0, binary32) == v[axis]);
             std::vector<std::size_t> claimed, met;
             for (std::size_t s = 0; s < primitives.size(); ++s) {
-                if (asked_alone(rows[r], ray, primitives[s])) claimed.push_back(s);
+                if (evaluate_alone(rows[r], ray, primitives[s])) claimed.push_back(s);
                 if (measure::truth::find_truth(ray, primitives[s], {}, rows[r].convention()).is_hit()) met.push_back(s);
             }
             const auto is_of_edge = [&](std::size_t s) {

@@ -47,7 +47,7 @@ std::vector<FormSummary> mapped(const scene::file::Scene& scene, const Metric& m
 
 }  // namespace
 
-TEST_CASE("of two maps in one process one is stopped at the requested ray and the other goes on", "[measure][map]") {
+TEST_CASE("of two maps in one process, one stops at the requested ray and the other continues", "[measure][map]") {
     static std::atomic<bool> first_asked;
     static int measured, others;
     static const scene::file::Scene* scene;

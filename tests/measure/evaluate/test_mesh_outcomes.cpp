@@ -72,7 +72,7 @@ public:
             // triangle.
             for (std::size_t pair = in.candidates->first_pair(i); pair < in.candidates->first_pair(i + 1); ++pair) {
                 const std::size_t s = in.candidates->primitive(pair);
-                if (test::asked_alone(row_, ray, in.primitives[s])) claimed.push_back(s);
+                if (test::evaluate_alone(row_, ray, in.primitives[s])) claimed.push_back(s);
             }
             wrong += !(result.convention == intersect::Convention(result.convention.at_origin));
             const std::size_t place = static_cast<std::size_t>(result.y0 * result.width) + i;

@@ -63,9 +63,9 @@ struct AnsweredHit {
 
 }  // namespace
 
-TEST_CASE("the error of barycentric weights agrees with fractions for every form", "[metric][triangle]") {
+TEST_CASE("the error of barycentric weights agrees with rational arithmetic for every form", "[metric][triangle]") {
     const Format format = *find_format("f32");
-    std::map<std::string_view, int> asked, wrong, exact;
+    std::map<std::string_view, int> sample_counts, wrong, exact;
     for_each_triangle(static_cast<int>(draws(2000)), [&](const TriangleDistribution& distribution,
                                                          const TriangleSample& sample) {
         const TriangleAnswer right = answer_of(sample);
@@ -89,7 +89,7 @@ TEST_CASE("the error of barycentric weights agrees with fractions for every form
                                                           .primitive = &primitive,
                                                           .attribution = &blame,
                                                           .weights = Form::info.weights});
-            ++asked[Form::info.name], exact[Form::info.name] += error == 0;
+            ++sample_counts[Form::info.name], exact[Form::info.name] += error == 0;
             const double truly = most.convert_to<double>() * 0x1p24;
             const bool same = !any      ? std::isnan(error)
                               : !finite ? error == HUGE_VAL
@@ -98,7 +98,7 @@ TEST_CASE("the error of barycentric weights agrees with fractions for every form
                 UNSCOPED_INFO(Form::info.name << ", " << distribution.name << ": " << error << ", and not " << truly);
         });
     });
-    for (const auto& [name, count] : asked) {
+    for (const auto& [name, count] : sample_counts) {
         INFO(name << ": exact " << exact[name] << " of " << count);
         CHECK(count > 500);
         CHECK(wrong[name] == 0);

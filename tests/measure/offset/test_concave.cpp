@@ -204,14 +204,14 @@ TEST_CASE("offsets: an exit skipped by t_min is lost, even if the ray then start
     const PointWork work(of, HitPointKind::computed, primitives, nullptr, std::nullopt, strategies);
     const double rim = 0x1p-11 + 0x1p-12;
     const auto tmin = std::ranges::find(strategies, "offset.tmin", &Strategy::name);
-    bool asked = false;
+    bool has_checked_ray = false;
     for (const NewRay& ray : work.rays({{{1, 0, 0}, {-1, 0, 0}}, 1 - rim, 0}, **tmin, Side::inside)) {
         if (!(ray.ray.direction.x < -0.999)) continue;
         CHECK(find_meeting({ray.ray, ray.tmin}, small).inside);
         CHECK(ray.has(Fault::lost_exit));
-        asked = true;
+        has_checked_ray = true;
     }
-    CHECK(asked);
+    CHECK(has_checked_ray);
 }
 
 TEST_CASE("offsets: rays leave a flat primitive on either side, and excluding it is right", "[measure][offset]") {

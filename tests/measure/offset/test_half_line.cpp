@@ -42,7 +42,7 @@ HostileLine hostile(Seeded& random, bool box, const FloatFormat& format) {
         const int axis = random.index(3);
         p[axis] = random.coin() ? b.lo[axis] : b.hi[axis];
     }
-    for (int i = 0; i < 3; ++i) p[i] = test::nudged(p[i], random.coin() ? random.integer(-3, 3) : 0, format);
+    for (int i = 0; i < 3; ++i) p[i] = test::nudge(p[i], random.coin() ? random.integer(-3, 3) : 0, format);
     Vec<double> w = random.vec(-1, 1);
     switch (random.index(4)) {
         case 0: w = w - dot(w, n) * n; break;                                // along the surface

@@ -36,7 +36,8 @@ RepairRequest request_of(const Scene& scene, const char* form, double bits) {
 
 /// The operations that must be wider, without the rewriting that `repair_form` tries too.
 struct Search {
-    explicit Search(const RepairRequest& asked) : request(asked), measurer(asked), tape(record_tape(asked)) {}
+    explicit Search(const RepairRequest& repair_request)
+        : request(repair_request), measurer(repair_request), tape(record_tape(repair_request)) {}
     FormQuality with(const std::vector<NodeId>& wider) {
         return measurer.measure_quality({tape::widen_operations(tape, wider, binary64)}).front();
     }
@@ -126,7 +127,7 @@ TEST_CASE("edges seen from the ray's origin decide better near a triangle, and f
     }
 }
 
-TEST_CASE("a form that meets the requirement has an empty set, one that double does not help has no set", "[mend]") {
+TEST_CASE("a form that meets the requirement has an empty set, and one that double does not help has none", "[mend]") {
     const Scene scene = scene_named("near-benign", 32);
     const RepairRequest easy = request_of(scene, "sphere.half_b", 5);
     const RepairResult enough = repair_form(easy);

@@ -11,8 +11,8 @@ namespace lostbits::test {
 
 /// LOSTBITS_RAYS says how many.
 inline const std::size_t rays_per_distribution = [] {
-    const char* const asked = std::getenv("LOSTBITS_RAYS");
-    return asked ? std::strtoull(asked, nullptr, 10) : std::size_t{500};
+    const char* const text = std::getenv("LOSTBITS_RAYS");
+    return text ? std::strtoull(text, nullptr, 10) : std::size_t{500};
 }();
 
 /// Number of rays of each distribution.

@@ -101,7 +101,7 @@ Problems rays_from_exact_points(Seeded& rng, int count, Way way) {
 
 }  // namespace
 
-TEST_CASE("packs settle rays that begin at a torus, and say what each ray alone does", "[torus]") {
+TEST_CASE("packs settle rays that begin at a torus, with the answer of each ray alone", "[torus]") {
     const int count = static_cast<int>(draws(4000));
     Seeded rng(70);
     CHECK(settled_share(rays_from_surface<float>(rng, count, Way::any)) > 0.995);

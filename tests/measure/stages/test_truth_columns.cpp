@@ -98,7 +98,7 @@ std::size_t count_different(std::span<const Problem> problems, const TruthColumn
 
 }  // namespace
 
-TEST_CASE("truth columns: they agree with single rays, however hard the ray") {
+TEST_CASE("truth columns: hard rays have the truth of single rays") {
     for (const Shape shape : {Shape::sphere, Shape::box}) {
         for (const FloatFormat& storage : {binary32, binary64}) {
             const std::vector<Problem> problems = problems_of(shape, storage, rays_per_distribution);

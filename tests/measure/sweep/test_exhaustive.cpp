@@ -56,7 +56,7 @@ SingleRays try_alone(const ExhaustiveFile& file, std::size_t ray, const TestedFo
     const truth::Truth t = truth::find_truth(given, primitive, {}, row.convention(), {.tmax = end});
     const bool unit = row.form->info->direction == intersect::Direction::unit;
     const Vec<double> d = unit ? truth::unit_direction(given.direction, binary32) : given.direction;
-    const auto answer = asked_alone(row, {given.origin, d}, primitive, end);
+    const auto answer = evaluate_alone(row, {given.origin, d}, primitive, end);
     SingleRays found{answer::classify(t.decision, answer.has_value(), answer.value_or(0))};
     if (found.outcome == Outcome::agree_hit) found.ulps = truth::ulp_error(*answer, unit ? t.distance : t.t, binary32);
     if (found.outcome == Outcome::false_miss && narrow.is<Box>())

@@ -35,7 +35,7 @@ Counted count_at(const ExhaustiveFile& file, const measure::evaluate::TestedForm
     std::vector<measure::truth::CertifiedNumber> apart;
     for (std::size_t s = 0; s < file.mesh->size(); ++s) {
         const Primitive<double> triangle = (*file.mesh)[s];
-        counted.claimed += asked_alone(row, ray, triangle).has_value();
+        counted.claimed += evaluate_alone(row, ray, triangle).has_value();
         const auto truth = measure::truth::find_truth(ray, triangle, {}, row.convention());
         const auto same = [&](const measure::truth::CertifiedNumber& other) { return compare(other, truth.t) == 0; };
         if (truth.is_hit() && std::ranges::none_of(apart, same)) apart.push_back(truth.t);
@@ -82,7 +82,8 @@ std::vector<sweep::FloatTally> check_counts(const ExhaustiveFile& file) {
 
 }  // namespace
 
-TEST_CASE("every float of a sweep through a mesh vertex is counted as its triangles count it", "[exhaustive][mesh]") {
+TEST_CASE("every float of a sweep through a mesh vertex is counted as by its triangles one by one",
+          "[exhaustive][mesh]") {
     const Scratch folder;
     const ExhaustiveFile file(
         folder.write("s.toml", sweep_text("set = \"ray.origin.x\"\nfrom = -7.992431640625\nto = -7.991943359375",

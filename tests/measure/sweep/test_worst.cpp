@@ -52,7 +52,7 @@ bool is_of(double x, const FloatFormat& format) { return rounding::to_format(x, 
 struct SingleRay {
     SingleRay(const TestedForm& row, const Ray<double>& ray, const Primitive<double>& primitive)
         : truth(measure::truth::find_truth(ray, primitive, {}, row.form->info->touching)) {
-        const auto answer = asked_alone(row, ray, primitive);
+        const auto answer = evaluate_alone(row, ray, primitive);
         hit = answer.has_value(), t = answer.value_or(0);
         if (!hit || !truth.is_hit()) return;
         const std::int64_t ulp = ulp_exponent(row.format.parameters, truth.t.floor_log2());

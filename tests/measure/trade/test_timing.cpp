@@ -71,12 +71,13 @@ TEST_CASE("every thread runs its own work, and one thread alone is the reference
     for (const double q : quotients) CHECK((q > 0 && std::isfinite(q)));
     for (const auto& n : passes) CHECK(n > 4);
     CHECK(faults == 0);
-    std::atomic<bool> asked{false};
-    CHECK_THROWS_AS(
-        measure::trade::measure_thread_speedups(
-            [&](std::size_t) { return [&] { asked = true; }; },
-            {.repetitions = 3, .min_seconds = 1e-4, .thread_count = 1, .stop = intersect::process::StopToken(asked)}),
-        Interrupted);
+    std::atomic<bool> stop_requested{false};
+    CHECK_THROWS_AS(measure::trade::measure_thread_speedups([&](std::size_t) { return [&] { stop_requested = true; }; },
+                                                            {.repetitions = 3,
+                                                             .min_seconds = 1e-4,
+                                                             .thread_count = 1,
+                                                             .stop = intersect::process::StopToken(stop_requested)}),
+                    Interrupted);
     CHECK_FALSE(measure::trade::allowed_processors().empty());
 }
 

@@ -15,7 +15,7 @@ inline Vec<double> to_vec(const Integers& v) {
     return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-inline double zero(Seeded& rng) { return rng.coin() ? 0.0 : -0.0; }
+inline double draw_zero(Seeded& rng) { return rng.coin() ? 0.0 : -0.0; }
 
 /// Corners in order, whatever order they were drawn in.
 inline Box<double> box_between(Vec<double> a, Vec<double> b) {
@@ -25,20 +25,20 @@ inline Box<double> box_between(Vec<double> a, Vec<double> b) {
     return {a, b};
 }
 
-inline Box<double> random_box(Seeded& rng, double low, double high) {
+inline Box<double> draw_box(Seeded& rng, double low, double high) {
     const Vec<double> a = rng.vec(low, high);
     const Vec<double> b = rng.vec(low, high);
     return box_between(a, b);
 }
 
-inline BoxSample in_storage(BoxSample s, const FloatFormat& format) {
+inline BoxSample stored(BoxSample s, const FloatFormat& format) {
     return {{stored(s.ray.origin, format), stored(s.ray.direction, format)},
             {stored(s.box.lo, format), stored(s.box.hi, format)},
             stored(s.tmax, format)};
 }
 
 /// All lengths times 2^lengths and the direction times 2^direction: t is multiplied by 2^(lengths − direction).
-inline BoxSample rescaled(BoxSample s, int lengths, int direction) {
+inline BoxSample rescale(BoxSample s, int lengths, int direction) {
     for (int i = 0; i < 3; ++i) {
         s.ray.origin[i] = std::ldexp(s.ray.origin[i], lengths);
         s.ray.direction[i] = std::ldexp(s.ray.direction[i], direction);
@@ -50,7 +50,7 @@ inline BoxSample rescaled(BoxSample s, int lengths, int direction) {
 }
 
 /// A box with integer corners, each side even and at least 2 long.
-inline Box<double> integer_box(Seeded& rng) {
+inline Box<double> draw_integer_box(Seeded& rng) {
     Integers lo, hi;
     for (std::size_t i = 0; i < 3; ++i) {
         lo[i] = rng.integer(-1000, 1000);
@@ -60,7 +60,7 @@ inline Box<double> integer_box(Seeded& rng) {
 }
 
 /// A point of the box: on the planes lo (−1) or hi (+1) of each axis, or strictly between them (0).
-inline Vec<double> point_of(Seeded& rng, const Box<double>& box, const std::array<int, 3>& place) {
+inline Vec<double> draw_point_at(Seeded& rng, const Box<double>& box, const std::array<int, 3>& place) {
     Vec<double> p(0);
     for (int i = 0; i < 3; ++i) {
         const int where = place[i];
@@ -73,7 +73,7 @@ inline Vec<double> point_of(Seeded& rng, const Box<double>& box, const std::arra
 }
 
 /// Integer components of either sign, none of them zero.
-inline Vec<double> integer_direction(Seeded& rng) {
+inline Vec<double> draw_integer_direction(Seeded& rng) {
     Vec<double> d(0);
     for (int i = 0; i < 3; ++i) {
         const double size = static_cast<double>(rng.integer(1, 60));
@@ -83,19 +83,19 @@ inline Vec<double> integer_direction(Seeded& rng) {
 }
 
 /// A ray through p at t = steps, exactly; a third of them end somewhere near there.
-inline BoxSample through(Seeded& rng, const Box<double>& box, const Vec<double>& p, const Vec<double>& d,
-                         std::int64_t furthest = 400) {
+inline BoxSample draw_ray_through(Seeded& rng, const Box<double>& box, const Vec<double>& p, const Vec<double>& d,
+                                  std::int64_t furthest = 400) {
     const auto steps = static_cast<double>(rng.integer(-furthest / 8, furthest));
     const Vec<double> origin = p - steps * d;
     const double tmax = rng.index(3) == 0 ? std::fabs(steps) + static_cast<double>(rng.integer(-2, 2)) : HUGE_VAL;
     return {{origin, d}, box, tmax};
 }
 
-inline std::array<int, 3> shuffled(Seeded& rng, std::array<int, 3> v) {
+inline std::array<int, 3> shuffle(Seeded& rng, std::array<int, 3> v) {
     for (int i = 2; i > 0; --i) std::swap(v[i], v[rng.index(i + 1)]);
     return v;
 }
 
-inline int side(Seeded& rng) { return rng.coin() ? 1 : -1; }
+inline int draw_side(Seeded& rng) { return rng.coin() ? 1 : -1; }
 
 }  // namespace lostbits::test

@@ -28,8 +28,8 @@ struct BoxDistribution {
         flat,         ///< the box has no inside
         at_end,       ///< the ray ends exactly where it enters
     } promise;
-    BoxSample (*make)(Seeded&, const FloatFormat& storage);
-    int rays;  ///< per storage format
+    BoxSample (*draw)(Seeded&, const FloatFormat& storage);
+    int ray_count;  ///< for each storage format
 };
 
 extern const BoxDistribution box_distributions[19];

@@ -38,17 +38,17 @@ inline std::vector<HardDistribution> hard_distributions(Shape shape, std::initia
         const auto add_spheres = [&](const auto& distributions) {
             for (const RayDistribution& distribution : distributions)
                 all.push_back({distribution.name, storage, [&distribution, storage](Seeded& rng) {
-                                   const RaySample s = distribution.make(rng, storage);
+                                   const RaySample s = distribution.draw(rng, storage);
                                    return HardRay{s.ray, s.sphere};
                                }});
         };
         if (shape == Shape::sphere) {
-            add_spheres(near_distributions), add_spheres(power_distributions);
+            add_spheres(narrow_distributions), add_spheres(power_distributions);
             if (wide == Wide::yes) add_spheres(wide_distributions);
         } else if (shape == Shape::box) {
             for (const BoxDistribution& distribution : box_distributions)
                 all.push_back({distribution.name, storage, [&distribution, storage, keep](Seeded& rng) {
-                                   const BoxSample s = distribution.make(rng, storage);
+                                   const BoxSample s = distribution.draw(rng, storage);
                                    return HardRay{{stored(s.ray.origin, storage), stored(s.ray.direction, storage)},
                                                   convert_numbers(Primitive<double>(s.box), keep),
                                                   {.tmax = keep(s.tmax)}};
@@ -56,7 +56,7 @@ inline std::vector<HardDistribution> hard_distributions(Shape shape, std::initia
         } else {
             for (const test::TriangleDistribution& distribution : test::triangle_distributions)
                 all.push_back({distribution.name, storage, [&distribution](Seeded& rng) {
-                                   const test::TriangleSample s = test::in_floats(distribution.make(rng));
+                                   const test::TriangleSample s = test::in_floats(distribution.draw(rng));
                                    return HardRay{s.ray, s.triangle};
                                }});
         }

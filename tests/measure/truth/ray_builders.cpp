@@ -2,7 +2,7 @@
 
 namespace lostbits::test {
 
-Frame frame(Seeded& rng, std::int64_t largest) {
+Frame draw_frame(Seeded& rng, std::int64_t largest) {
     std::int64_t w = 0, x = 0, y = 0, z = 0;
     while (w == 0 && x == 0 && y == 0 && z == 0) {
         w = rng.integer(-largest, largest);
@@ -18,11 +18,12 @@ Frame frame(Seeded& rng, std::int64_t largest) {
     return f;
 }
 
-Triple triple(Seeded& rng, std::int64_t largest_scale) {
-    static constexpr Triple known[] = {{1, 0, 1}, {0, 1, 1}, {3, 4, 5}, {4, -3, 5}, {5, 12, 13}, {-15, 8, 17}};
-    Triple t = known[rng.index(6)];
+PythagoreanTriple draw_triple(Seeded& rng, std::int64_t largest_scale) {
+    static constexpr PythagoreanTriple known[] = {{1, 0, 1},  {0, 1, 1},   {3, 4, 5},
+                                                  {4, -3, 5}, {5, 12, 13}, {-15, 8, 17}};
+    PythagoreanTriple t = known[rng.index(6)];
     const std::int64_t k = rng.integer(1, largest_scale);
-    return {t.p * k, t.q * k, t.g * k};
+    return {t.p * k, t.q * k, t.hypotenuse * k};
 }
 
 Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Integers& v, std::int64_t c,
@@ -31,7 +32,7 @@ Vec<double> combine(std::int64_t a, const Integers& u, std::int64_t b, const Int
     return {at(0), at(1), at(2)};
 }
 
-RaySample rescaled(RaySample s, int lengths, int direction) {
+RaySample rescale(RaySample s, int lengths, int direction) {
     for (int i = 0; i < 3; ++i) {
         s.ray.origin[i] = std::ldexp(s.ray.origin[i], lengths);
         s.ray.direction[i] = std::ldexp(s.ray.direction[i], direction);
@@ -41,7 +42,7 @@ RaySample rescaled(RaySample s, int lengths, int direction) {
     return s;
 }
 
-RaySample shuffled(Seeded& rng, const RaySample& sample) {
+RaySample shuffle_axes(Seeded& rng, const RaySample& sample) {
     const int first = rng.index(3), step = 1 + rng.index(2);
     RaySample r = sample;
     for (int i = 0; i < 3; ++i) {
@@ -59,21 +60,21 @@ RaySample stored(const RaySample& sample, const FloatFormat& format) {
             {stored(sample.sphere.centre, format), stored(sample.sphere.radius, format)}};
 }
 
-Vec<double> unit_vector(Seeded& rng) {
+Vec<double> draw_unit_vector(Seeded& rng) {
     Vec<double> v = rng.vec(-1, 1);
     while (dot(v, v) > 1 || dot(v, v) < 0.01) v = rng.vec(-1, 1);
     const double size = length(v);
     return {v.x / size, v.y / size, v.z / size};
 }
 
-Vec<double> normal_to(Seeded& rng, const Vec<double>& d) {
-    Vec<double> n = cross(d, unit_vector(rng));
-    while (dot(n, n) < 0.01 * dot(d, d)) n = cross(d, unit_vector(rng));
+Vec<double> draw_normal_to(Seeded& rng, const Vec<double>& d) {
+    Vec<double> n = cross(d, draw_unit_vector(rng));
+    while (dot(n, n) < 0.01 * dot(d, d)) n = cross(d, draw_unit_vector(rng));
     const double size = length(n);
     return {n.x / size, n.y / size, n.z / size};
 }
 
-RaySample integer_scene(Seeded& rng) {
+RaySample draw_integer_scene(Seeded& rng) {
     const auto number = [&](std::int64_t size) { return static_cast<double>(rng.integer(-size, size)); };
     const auto vec = [&](std::int64_t size) { return Vec<double>{number(size), number(size), number(size)}; };
     RaySample s{{vec(1000), {0, 0, 0}}, {vec(1000), static_cast<double>(rng.integer(1, 400))}};
@@ -83,33 +84,34 @@ RaySample integer_scene(Seeded& rng) {
     return s;
 }
 
-// f = −s·u + p·v + q·w and d = u: the line's distance from the centre is g·|v| = r, exactly.
-RaySample integer_tangent(Seeded& rng, const FloatFormat& storage) {
+// f = −s·u + p·v + q·w and d = u: the line's distance from the centre is hypotenuse·|v| = r, exactly.
+RaySample draw_integer_tangent(Seeded& rng, const FloatFormat& storage) {
     const bool narrow = storage == binary32;
-    const Frame e = frame(rng, narrow ? 3 : 200);
-    const Triple g = triple(rng, narrow ? 50 : 1 << 20);
+    const Frame frame = draw_frame(rng, narrow ? 3 : 200);
+    const PythagoreanTriple triple = draw_triple(rng, narrow ? 50 : 1 << 20);
     const std::int64_t far = narrow ? 1 << 10 : 1 << 30;
     const std::int64_t s = rng.index(8) == 0 ? 0 : rng.integer(-far / 4, far);
     const Integers c = {rng.integer(-far, far), rng.integer(-far, far), rng.integer(-far, far)};
     const Vec<double> centre(static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2]));
-    const Vec<double> f = combine(-s, e.u, g.p, e.v, g.q, e.w);
-    return {{centre + f, combine(1, e.u, 0, e.v, 0, e.w)}, {centre, static_cast<double>(g.g * e.length)}};
+    const Vec<double> f = combine(-s, frame.u, triple.p, frame.v, triple.q, frame.w);
+    return {{centre + f, combine(1, frame.u, 0, frame.v, 0, frame.w)},
+            {centre, static_cast<double>(triple.hypotenuse * frame.length)}};
 }
 
-// f = p·v + q·w has the length g·|v| = r: the origin is on the surface.
-RaySample integer_contact(Seeded& rng, const FloatFormat& storage) {
-    RaySample s = integer_tangent(rng, storage);
+// f = p·v + q·w has the length hypotenuse·|v| = r: the origin is on the surface.
+RaySample draw_integer_contact(Seeded& rng, const FloatFormat& storage) {
+    RaySample s = draw_integer_tangent(rng, storage);
     const bool narrow = storage == binary32;
-    const Frame e = frame(rng, narrow ? 3 : 200);
-    const Triple g = triple(rng, narrow ? 50 : 1 << 20);
-    const Vec<double> f = combine(0, e.u, g.p, e.v, g.q, e.w);
+    const Frame frame = draw_frame(rng, narrow ? 3 : 200);
+    const PythagoreanTriple triple = draw_triple(rng, narrow ? 50 : 1 << 20);
+    const Vec<double> f = combine(0, frame.u, triple.p, frame.v, triple.q, frame.w);
     s.ray.origin = s.sphere.centre + f;
-    s.sphere.radius = static_cast<double>(g.g * e.length);
+    s.sphere.radius = static_cast<double>(triple.hypotenuse * frame.length);
     switch (rng.index(4)) {
-        case 0: s.ray.direction = combine(1, e.u, 0, e.v, 0, e.w); break;  // along the surface
-        case 1: s.ray.direction = f; break;                                // straight out
-        case 2: s.ray.direction = -f; break;                               // through the centre
-        default: break;                                                    // the other frame's: any way
+        case 0: s.ray.direction = combine(1, frame.u, 0, frame.v, 0, frame.w); break;  // along the surface
+        case 1: s.ray.direction = f; break;                                            // straight out
+        case 2: s.ray.direction = -f; break;                                           // through the centre
+        default: break;                                                                // the other frame's: any way
     }
     return s;
 }

@@ -21,14 +21,14 @@ Vec<double> integers(Seeded& rng, int largest) {
 
 /// The sample with its exponents moved, which moves powers of two to powers of two.
 RaySample anywhere(Seeded& rng, const RaySample& sample) {
-    return shuffled(rng, rescaled(sample, rng.index(41) - 20, rng.index(41) - 20));
+    return shuffle_axes(rng, rescale(sample, rng.index(41) - 20, rng.index(41) - 20));
 }
 
 }  // namespace
 
 /// t = 2^k at a point of the sphere: from outside, from inside, or the far root's of a ray that starts between.
-RaySample power_contact(Seeded& rng, const FloatFormat&) {
-    const Frame f = frame(rng, 4);
+RaySample draw_power_contact(Seeded& rng, const FloatFormat&) {
+    const Frame f = draw_frame(rng, 4);
     const Vec<double> direction = integers(rng, 12), centre = integers(rng, 50);
     const double k = std::ldexp(1.0, rng.index(5));
     const Vec<double> radius = combine(1, f.u, 0, f.v, 0, f.w);
@@ -38,7 +38,7 @@ RaySample power_contact(Seeded& rng, const FloatFormat&) {
 
 /// From the centre, or at right angles to the way there, the distance is a power of two in every direction, |d|
 /// rational or not.
-RaySample power_distance(Seeded& rng, const FloatFormat&) {
+RaySample draw_power_distance(Seeded& rng, const FloatFormat&) {
     const Vec<double> origin = integers(rng, 50), direction = integers(rng, 30);
     if (rng.coin()) return anywhere(rng, {{origin, direction}, {origin, std::ldexp(1.0, rng.index(6))}});
     // f = (p, 0, 0) and d = (0, y, z): distance² = r² − p², with (p, 2^k, r) of a triple such as 3, 4, 5.
@@ -50,23 +50,23 @@ RaySample power_distance(Seeded& rng, const FloatFormat&) {
 }
 
 /// The case that was found: an exact tangent at a distance of 2^k, with a direction whose length is no power of two.
-RaySample power_tangent(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_power_tangent(Seeded& rng, const FloatFormat& storage) {
     const double size = storage == binary32 ? 0x951115p-24 : 0x951114a098f0fp-52;
     const double radius = std::ldexp(size, rng.index(9) - 4), far = std::ldexp(1.0, rng.index(9));
     constexpr double lengths[] = {3, 5, 7, 11, 1.25};
     const double length = lengths[rng.index(5)];
-    return shuffled(rng, {{{radius, 0, -far}, {0, 0, length}}, {{0, 0, 0}, radius}});
+    return shuffle_axes(rng, {{{radius, 0, -far}, {0, 0, length}}, {{0, 0, 0}, radius}});
 }
 
 /// A tiny sphere about the point at t = 2^k: t lies below by 2^-100 of it or less, or, from behind its centre, the far
 /// root above.
-RaySample power_beside(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_power_beside(Seeded& rng, const FloatFormat& storage) {
     const Vec<double> direction = integers(rng, 1 << 10);
     const double k = std::ldexp(1.0, rng.index(9) - 4);
     const int smallest = storage == binary32 ? -100 : -300;
     const double radius = std::ldexp(1.0 + rng.index(8) / 8.0, -75 - rng.index(-75 - smallest));
     const Vec<double> at = plus({0, 0, 0}, direction, k);
-    return shuffled(rng, {{{0, 0, 0}, direction}, {at, radius}});
+    return shuffle_axes(rng, {{{0, 0, 0}, direction}, {at, radius}});
 }
 
 }  // namespace lostbits::test

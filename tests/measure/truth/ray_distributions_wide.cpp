@@ -6,7 +6,7 @@ namespace lostbits::test {
 
 // t = T·2^q with T an odd integer: half way between two numbers of a format, among them the boundary of overflow and
 // half the smallest subnormal. The ray runs along an axis: t·|d| = (c − o) − half a chord, all integers.
-RaySample tie(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_tie(Seeded& rng, const FloatFormat& storage) {
     static constexpr FloatFormat formats[] = {binary64, binary32, binary16, bfloat16};
     const bool narrow = storage == binary32;
     const FloatFormat f = formats[narrow ? 1 + rng.index(3) : rng.index(4)];
@@ -28,20 +28,20 @@ RaySample tie(Seeded& rng, const FloatFormat& storage) {
 
     // Pythagoras again: at height 3k or 5k a sphere of radius 5k or 13k has half a chord of 4k or 12k.
     const std::int64_t k = rng.integer(1, 50);
-    static constexpr Triple shapes[] = {{0, 1, 1}, {3, 4, 5}, {5, 12, 13}};
-    const Triple shape = shapes[rng.index(3)];
+    static constexpr PythagoreanTriple shapes[] = {{0, 1, 1}, {3, 4, 5}, {5, 12, 13}};
+    const PythagoreanTriple shape = shapes[rng.index(3)];
     const std::int64_t x = ticks + shape.q * k;
     const std::int64_t low = x % (std::int64_t{1} << 14);
     RaySample s{{{static_cast<double>(-low), static_cast<double>(shape.p * k), 0}, {1, 0, 0}},
-                {{static_cast<double>(x - low), 0, 0}, static_cast<double>(shape.g * k)}};
+                {{static_cast<double>(x - low), 0, 0}, static_cast<double>(shape.hypotenuse * k)}};
     // Lengths and direction share q as the storage allows.
     const int lengths = std::clamp(q / 2, storage.emin, storage.emax - 60);
-    return rescaled(shuffled(rng, s), lengths, lengths - q);
+    return rescale(shuffle_axes(rng, s), lengths, lengths - q);
 }
 
 // A tie and a little: (c − o) ∓ r with a sphere so small, or an origin so close to the centre, that only a proof of
 // hundreds of bits tells the side.
-RaySample near_tie(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_near_tie(Seeded& rng, const FloatFormat& storage) {
     const int p = storage.precision;
     const double whole = std::ldexp(1.0, p) + static_cast<double>(2 * rng.bits(p - 2));  // ≥ 2^p: neighbours 2 apart
     const int below = static_cast<int>(rng.integer(3, -storage.emin - 60));
@@ -55,21 +55,21 @@ RaySample near_tie(Seeded& rng, const FloatFormat& storage) {
         s.sphere = {{rng.sign(), 0, 0}, whole};
     }
     const int lengths = static_cast<int>(rng.integer(-40, 40)), direction = static_cast<int>(rng.integer(-50, 50));
-    return rescaled(shuffled(rng, s), lengths, direction);
+    return rescale(shuffle_axes(rng, s), lengths, direction);
 }
 
 namespace {
 
-RaySample small_scene(Seeded& rng) {
+RaySample draw_small_scene(Seeded& rng) {
     switch (rng.index(3)) {
-        case 0: return integer_tangent(rng, binary32);
-        case 1: return integer_contact(rng, binary32);
-        default: return integer_scene(rng);
+        case 0: return draw_integer_tangent(rng, binary32);
+        case 1: return draw_integer_contact(rng, binary32);
+        default: return draw_integer_scene(rng);
     }
 }
 
 /// A direction's scale: with the lengths, about one, or at either end of the range.
-int any_scale(Seeded& rng, const FloatFormat& format) {
+int draw_scale(Seeded& rng, const FloatFormat& format) {
     const int lowest = format.emin - format.precision + 1, highest = format.emax - 24;
     switch (rng.index(4)) {
         case 0: return lowest + rng.index(8);
@@ -81,13 +81,13 @@ int any_scale(Seeded& rng, const FloatFormat& format) {
 
 }  // namespace
 
-RaySample subnormal(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_subnormal(Seeded& rng, const FloatFormat& storage) {
     const int lowest = storage.emin - storage.precision + 1;
     if (rng.index(4) != 0) {  // integers in units of the smallest subnormal: all of the geometry is down there
-        const RaySample s = small_scene(rng);
+        const RaySample s = draw_small_scene(rng);
         const bool direction_only = rng.index(3) == 0;
         const int lengths = direction_only ? static_cast<int>(rng.integer(-20, 20)) : lowest + rng.index(30);
-        return rescaled(s, lengths, direction_only ? lowest + rng.index(8) : any_scale(rng, storage));
+        return rescale(s, lengths, direction_only ? lowest + rng.index(8) : draw_scale(rng, storage));
     }
     // Any of the four subnormal, the others not.
     const auto number = [&](bool tiny) {
@@ -105,18 +105,18 @@ RaySample subnormal(Seeded& rng, const FloatFormat& storage) {
         s.ray.origin.z = height;
     }
     if (dot(s.ray.direction, s.ray.direction) == 0) s.ray.direction.x = std::ldexp(1.0, lowest);
-    return shuffled(rng, s);
+    return shuffle_axes(rng, s);
 }
 
-RaySample overflowing(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_overflowing(Seeded& rng, const FloatFormat& storage) {
     const int highest = storage.emax - 24;
     const int lengths =
         rng.index(3) == 0 ? storage.emax / 2 + rng.index(storage.emax / 2 - 24) : highest - rng.index(10);
-    const int direction = any_scale(rng, storage);
-    return rescaled(small_scene(rng), lengths, direction);
+    const int direction = draw_scale(rng, storage);
+    return rescale(draw_small_scene(rng), lengths, direction);
 }
 
-RaySample mixed_exponents(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_mixed_exponents(Seeded& rng, const FloatFormat& storage) {
     const int lowest = storage.emin - storage.precision + 1, highest = storage.emax - 1;
     const auto number = [&] { return rng.index(10) == 0 ? 0.0 : rng.signed_magnitude(lowest, highest); };
     RaySample s{{{number(), number(), number()}, {number(), number(), number()}}, {{number(), number(), number()}, 0}};
@@ -141,7 +141,7 @@ RaySample mixed_exponents(Seeded& rng, const FloatFormat& storage) {
 // two thousand places below. f = −t·(3, 4) + ρ·(4, −3), r = 5ρ; each component of f is a difference of two stored
 // numbers, one for the large part and one for τ. With ρ = 3·2^(p−2) + δ the large parts are 4δ − 3n and
 // −25·2^(p−2) − (4n + 3δ), which fit p bits where 4n + 3δ is a multiple of 8; so does 5ρ where δ is one of 4.
-RaySample wide_tangent(Seeded& rng, const FloatFormat& storage) {
+RaySample draw_wide_tangent(Seeded& rng, const FloatFormat& storage) {
     const int p = storage.precision;
     const double quarter = std::ldexp(1.0, p - 2);
     const std::int64_t n = 2 * rng.integer(0, 1000) + 1;
@@ -154,28 +154,28 @@ RaySample wide_tangent(Seeded& rng, const FloatFormat& storage) {
     const double radius = 15 * quarter + static_cast<double>(5 * delta);
     const RaySample s{{{large(x), large(y), 0}, {3, 4, 0}}, {{3 * tau, 4 * tau, 0}, large(radius)}};
     const int direction = static_cast<int>(rng.integer(-20, 20));
-    return rescaled(shuffled(rng, s), 0, direction);
+    return rescale(shuffle_axes(rng, s), 0, direction);
 }
 
 // The origin on the surface, but for a centre moved by τ·n: c = τ² n·n − 2 τ f·n. Where n ⟂ f that is τ²: four thousand
 // places below r², and it alone tells inside from outside; where d ⟂ f, h = −τ n·d tells leaving from entering.
-RaySample wide_contact(Seeded& rng, const FloatFormat& storage) {
-    const Frame e = frame(rng, 3);
-    const Triple g = triple(rng, 50);
+RaySample draw_wide_contact(Seeded& rng, const FloatFormat& storage) {
+    const Frame frame = draw_frame(rng, 3);
+    const PythagoreanTriple triple = draw_triple(rng, 50);
     const int lengths = static_cast<int>(rng.integer(-20, storage.emax - 20));
     const int tau = static_cast<int>(rng.integer(storage.emin - storage.precision + 1, lengths - 5));
-    const Vec<double> f = combine(0, e.u, g.p, e.v, g.q, e.w);
+    const Vec<double> f = combine(0, frame.u, triple.p, frame.v, triple.q, frame.w);
     const auto way = [&] {
         const std::int64_t p = rng.integer(-3, 3), q = rng.integer(-3, 3);
         switch (rng.index(4)) {
-            case 0: return combine(p == 0 ? 1 : p, e.u, 0, e.v, 0, e.w);
-            case 1: return combine(p, e.u, -g.q, e.v, g.p, e.w);  // perpendicular to f, too
-            case 2: return combine(1, e.u, p, e.v, q, e.w);
-            default: return combine(p, e.u, g.p, e.v, g.q, e.w);
+            case 0: return combine(p == 0 ? 1 : p, frame.u, 0, frame.v, 0, frame.w);
+            case 1: return combine(p, frame.u, -triple.q, frame.v, triple.p, frame.w);  // perpendicular to f, too
+            case 2: return combine(1, frame.u, p, frame.v, q, frame.w);
+            default: return combine(p, frame.u, triple.p, frame.v, triple.q, frame.w);
         }
     };
-    RaySample s{{f, way()}, {{0, 0, 0}, static_cast<double>(g.g * e.length)}};
-    s = rescaled(s, lengths, static_cast<int>(rng.integer(-20, 20)));
+    RaySample s{{f, way()}, {{0, 0, 0}, static_cast<double>(triple.hypotenuse * frame.length)}};
+    s = rescale(s, lengths, static_cast<int>(rng.integer(-20, 20)));
     const Vec<double> n = way();
     for (int i = 0; i < 3; ++i) s.sphere.centre[i] = std::ldexp(n[i], tau);
     return s;

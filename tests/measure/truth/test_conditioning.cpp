@@ -71,15 +71,15 @@ TEST_CASE("the condition number is infinite on the surface and undefined for a m
 TEST_CASE("the gradient of every shape agrees with central differences, and gives the condition number") {
     for (const auto& distribution : scene::sweep::distributions()) {
         INFO(distribution.table);
-        int asked = 0, compared = 0;
+        int ray_count = 0, compared = 0;
         for (const auto& group : distribution.ray_sets().front().groups()) {
-            if (asked == 400) break;
+            if (ray_count == 400) break;
             Ray<double> ray = group.rays[0];
             Primitive<double> primitive = group.primitives.front();
             const measure::truth::Truth truth = measure::truth::find_truth(ray, primitive);
             const auto gradient = measure::truth::gradient(ray, primitive);
             if (gradient.empty()) continue;
-            ++asked;
+            ++ray_count;
             const auto slopes = by_differences(ray, primitive);
             const double kappa = measure::truth::condition(ray, primitive);
             if (slopes.empty() || kappa > 0x1p14) continue;

@@ -120,10 +120,10 @@ constexpr std::array touches{Touching::hit, Touching::miss};
 constexpr std::array origins{AtOrigin::hit, AtOrigin::exit, AtOrigin::miss};
 constexpr std::array insides{Inside::usual, Inside::exit, Inside::zero, Inside::miss};
 
-Truth truth_of(const Example& example, const Convention& asked) {
+Truth truth_of(const Example& example, const Convention& convention) {
     Primitive<double> primitive(example.shape);
     std::ranges::copy(example.numbers, primitive.numbers.begin());
-    return find_truth(example.ray, primitive, {}, asked, {0, example.tmax});
+    return find_truth(example.ray, primitive, {}, convention, {0, example.tmax});
 }
 
 /// Cells of docs/truth.md: the answers by each value of the property that decides.
@@ -131,10 +131,10 @@ template <class Values, class Member>
 std::string cell(Shape shape, Situation of, const Values& values, Member Convention::*property, Inside inside) {
     std::string words;
     for (const auto value : values) {
-        Convention asked;
-        asked.inside = inside;
-        asked.*property = value;
-        const RightAnswer answer = intersect::right_answer(shape, of, asked);
+        Convention convention;
+        convention.inside = inside;
+        convention.*property = value;
+        const RightAnswer answer = intersect::right_answer(shape, of, convention);
         if (answer == RightAnswer::none) return "";
         words += (words.empty() ? "" : ", ") + std::string(answer_names[static_cast<std::size_t>(answer)]);
     }
@@ -186,10 +186,10 @@ TEST_CASE("conventions: the truth answers each situation as the table says", "[m
         for (const Touching touching : touches) {
             for (const AtOrigin at_origin : origins) {
                 for (const Inside inside : insides) {
-                    Convention asked(touching, at_origin);
-                    asked.inside = inside;
-                    const Truth truth = truth_of(example, asked);
-                    const RightAnswer right = intersect::right_answer(example.shape, example.of, asked);
+                    Convention convention(touching, at_origin);
+                    convention.inside = inside;
+                    const Truth truth = truth_of(example, convention);
+                    const RightAnswer right = intersect::right_answer(example.shape, example.of, convention);
                     INFO(name_of(example.shape)
                          << " " << situation_names[static_cast<std::size_t>(example.of)] << ", touching "
                          << static_cast<int>(touching) << ", at_origin "

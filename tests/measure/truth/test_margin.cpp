@@ -169,8 +169,8 @@ void try_ray(Findings& found, const Ray<double>& ray, const Primitive<double>& p
 }
 
 const int rays_per_distribution = [] {
-    const char* const asked = std::getenv("LOSTBITS_RAYS");
-    return asked ? std::atoi(asked) : test::draws(400);
+    const char* const text = std::getenv("LOSTBITS_RAYS");
+    return text ? std::atoi(text) : test::draws(400);
 }();
 
 /// The hard rays of a shape, on all threads.
@@ -217,17 +217,17 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
     for (const auto& distribution : scene::sweep::distributions()) {
         INFO(distribution.table);
         Seeded rng(0x3a61);
-        int told = 0, asked = 0;
+        int positive_margin_count = 0, ray_count = 0;
         for (const auto& set : distribution.ray_sets()) {
             for (const auto& group : set.groups()) {
-                if (asked >= 4 * rays_per_distribution) break;
+                if (ray_count >= 4 * rays_per_distribution) break;
                 const Ray<double> ray = group.rays[0];
                 const Primitive<double> primitive = group.primitives.front();
                 const auto truth = find_truth(ray, primitive);
-                ++asked;
+                ++ray_count;
                 for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
                     const double margin = find_margin(ray, primitive, CountedChange::decision, perturbation).proved;
-                    told += margin > 0;
+                    positive_margin_count += margin > 0;
                     const double by = margin * (1 - 0x1p-20) - 0x1p-52;
                     if (by <= 0) continue;
                     for (int k = 0; k < 4; ++k) {
@@ -241,8 +241,8 @@ TEST_CASE("no change within the margin changes a decision for any shape", "[marg
                 }
             }
         }
-        CHECK(asked > 0);
-        CHECK(told >= asked);
+        CHECK(ray_count > 0);
+        CHECK(positive_margin_count >= ray_count);
     }
 }
 
@@ -299,9 +299,10 @@ void attack(AttackedMargin& seen, const test::MarginProblem& problem, Seeded& rn
     ++seen.problems;
     for (const Perturbation perturbation : {Perturbation::componentwise, Perturbation::normwise}) {
         const Margin margin = find_margin(problem.ray, problem.primitive, CountedChange::decision, perturbation);
-        const double told = find_decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbation);
-        const bool missing = std::isnan(told);
-        if (!(missing || told == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
+        const double decision_margin =
+            find_decision_margin(problem.ray, problem.primitive, CountedChange::decision, perturbation);
+        const bool missing = std::isnan(decision_margin);
+        if (!(missing || decision_margin == margin.proved) || !(margin.proved >= 0 && margin.proved <= 0.5))
             contradict("no margin", margin.proved);
         if (!missing && margin.proved < max_tight_margin && !is_witness(problem, margin, perturbation))
             contradict("no change is found for the margin", margin.proved);

@@ -84,10 +84,10 @@ Range<double> range_of(const RaySample&) { return {}; }
 Range<double> range_of(const BoxSample& sample) { return sample.range(); }
 Primitive<double> primitive_of(const RaySample& sample) { return sample.sphere; }
 Primitive<double> primitive_of(const BoxSample& sample) { return sample.box; }
-int rays_of(const RayDistribution& distribution, const FloatFormat& storage) {
-    return storage == binary32 ? distribution.rays_binary32 : distribution.rays_binary64;
+int ray_count_of(const RayDistribution& distribution, const FloatFormat& storage) {
+    return storage == binary32 ? distribution.ray_count_binary32 : distribution.ray_count_binary64;
 }
-int rays_of(const BoxDistribution& distribution, const FloatFormat&) { return distribution.rays; }
+int ray_count_of(const BoxDistribution& distribution, const FloatFormat&) { return distribution.ray_count; }
 std::string paste(const RaySample& sample) { return test::paste(sample.ray, sample.sphere); }
 
 /// Describes the fault of a proved length; empty if it has none.
@@ -180,15 +180,15 @@ template <class Distribution>
 void check(const Distribution& distribution, const FloatFormat& storage, std::uint64_t seed) {
     Seeded rng(seed);
     TruthCounts found;
-    for (int i = 0; i < test::draws(rays_of(distribution, storage)); ++i) {
-        const auto s = distribution.make(rng, storage);
+    for (int i = 0; i < test::draws(ray_count_of(distribution, storage)); ++i) {
+        const auto s = distribution.draw(rng, storage);
         if (!keeps(distribution.promise, s)) found.add("the generator missed its aim", s, range_of(s));
         found.ask(s, range_of(s), i % 4 == 0);
     }
     INFO(distribution.name << ", seed " << seed << ", " << storage.precision << " bits:\n" << found.report);
     CHECK(found.report.empty());
-    if constexpr (requires { distribution.max_escalated; }) {
-        if (storage == binary32) CHECK(found.escalated <= distribution.max_escalated);
+    if constexpr (requires { distribution.max_escalated_count; }) {
+        if (storage == binary32) CHECK(found.escalated <= distribution.max_escalated_count);
     } else {
         // A distribution that only hits or only misses tests half of what it seems to test.
         using Promise = BoxDistribution::Promise;
@@ -206,7 +206,7 @@ void check_in_ranges(const Families& distributions, const FloatFormat& storage, 
         Seeded rng(seed);
         TruthCounts found;
         for (int i = 0; i < test::draws(400); ++i) {
-            const auto s = distribution.make(rng, storage);
+            const auto s = distribution.draw(rng, storage);
             for (int k = 0; k < 3; ++k)
                 found.ask(s, range_about_primitive(rng, s.ray, primitive_of(s), storage), (i + k) % 4 == 0);
         }
@@ -219,7 +219,7 @@ void check_in_ranges(const Families& distributions, const FloatFormat& storage, 
 
 TEST_CASE("truth in a range: it is the first root in the range, by exact integers", "[range]") {
     for (const FloatFormat& storage : {binary32, binary64}) {
-        check_in_ranges(near_distributions, storage, 7);
+        check_in_ranges(narrow_distributions, storage, 7);
         check_in_ranges(power_distributions, storage, 8);
         check_in_ranges(wide_distributions, storage, 9);
     }
@@ -230,11 +230,11 @@ TEST_CASE("truth in a range: for boxes it is the first of entry and exit, by fra
 }
 
 TEST_CASE("truth agrees with exact integers on binary32 inputs", "[near][binary32]") {
-    for (const RayDistribution& distribution : near_distributions) check(distribution, binary32, 1);
+    for (const RayDistribution& distribution : narrow_distributions) check(distribution, binary32, 1);
 }
 
 TEST_CASE("truth agrees with exact integers on binary64 inputs", "[near][binary64]") {
-    for (const RayDistribution& distribution : near_distributions) check(distribution, binary64, 2);
+    for (const RayDistribution& distribution : narrow_distributions) check(distribution, binary64, 2);
 }
 
 TEST_CASE("the binade of t and of the distance is decided exactly at powers of two and on both sides", "[power]") {

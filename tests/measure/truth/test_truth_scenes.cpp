@@ -34,13 +34,13 @@ TEST_CASE("the nearest of many spheres is the minimum over single spheres") {
     Seeded rng(21);
     int hits = 0;
     for (int i = 0; i < 20'000; ++i) {
-        const RaySample first = rng.coin() ? random_ray(rng, binary64) : integer_tangent(rng, binary32);
+        const RaySample first = rng.coin() ? draw_random_ray(rng, binary64) : draw_integer_tangent(rng, binary32);
         std::vector<Sphere<double>> spheres{first.sphere};
         const int count = rng.index(9);
         for (int k = 0; k < count; ++k) {
             const bool again = rng.index(5) == 0;
-            spheres.push_back(again ? spheres[rng.index(k + 1)] : random_ray(rng, binary64).sphere);
-            if (rng.index(8) == 0) spheres.back().radius = nudged(spheres.back().radius, 1, binary64);
+            spheres.push_back(again ? spheres[rng.index(k + 1)] : draw_random_ray(rng, binary64).sphere);
+            if (rng.index(8) == 0) spheres.back().radius = nudge(spheres.back().radius, 1, binary64);
         }
         std::swap(spheres.front(), spheres[rng.index(static_cast<int>(spheres.size()))]);
         const Truth all = find_truth(first.ray, primitives(spheres));
@@ -90,15 +90,17 @@ TEST_CASE("a tangent goes on to what lies behind where touching is a miss") {
 TEST_CASE("a ray through the point where two spheres touch hits both there") {
     Seeded rng(23);
     for (int i = 0; i < 2'000; ++i) {
-        const Frame e = frame(rng, 20);
+        const Frame frame = draw_frame(rng, 20);
         const std::int64_t a = rng.integer(1, 1000), b = rng.integer(1, 1000), far = rng.integer(2000, 5000);
         // Touching from outside, the ray in the common tangent plane; and one inside the other, the ray head-on.
         const bool head_on = rng.coin();
-        const Integers& to = head_on ? e.u : e.v;
+        const Integers& to = head_on ? frame.u : frame.v;
         const std::int64_t second = head_on ? b : -b;
-        const std::vector<Sphere<double>> both{{combine(a, to, 0, to, 0, to), static_cast<double>(a * e.length)},
-                                               {combine(second, to, 0, to, 0, to), static_cast<double>(b * e.length)}};
-        const Ray<double> ray{combine(-far, e.u, 0, e.v, 0, e.w), combine(1, e.u, 0, e.v, 0, e.w)};
+        const std::vector<Sphere<double>> both{
+            {combine(a, to, 0, to, 0, to), static_cast<double>(a * frame.length)},
+            {combine(second, to, 0, to, 0, to), static_cast<double>(b * frame.length)}};
+        const Ray<double> ray{combine(-far, frame.u, 0, frame.v, 0, frame.w),
+                              combine(1, frame.u, 0, frame.v, 0, frame.w)};
         for (const auto& spheres : {both, std::vector(both.rbegin(), both.rend())}) {
             const Truth t = find_truth(ray, primitives(spheres));
             REQUIRE(t.is_hit());
@@ -127,7 +129,7 @@ TEST_CASE("a low precision limit leaves a hard tangent unresolved that the defau
     Seeded rng(24);
     int needed_more = 0;
     for (int i = 0; i < 3'000; ++i) {
-        const RaySample s = rng.coin() ? wide_tangent(rng, binary64) : integer_tangent(rng, binary64);
+        const RaySample s = rng.coin() ? draw_wide_tangent(rng, binary64) : draw_integer_tangent(rng, binary64);
         const Truth full = find_truth(s.ray, s.sphere);
         INFO(paste(s.ray, s.sphere));
         REQUIRE(full.decision != Truth::Decision::unresolved);
@@ -146,7 +148,8 @@ TEST_CASE("a low precision limit leaves a hard tangent unresolved that the defau
 TEST_CASE("truth agrees with exact integers on 256-bit inputs") {
     Seeded rng(25);
     RaySample (*const distributions[])(Seeded&, const FloatFormat&) = {
-        random_ray, near_tangent, tangent, on_surface, near_surface, inside, huge_sphere, tie, near_tie};
+        draw_random_ray, draw_near_tangent, draw_tangent, draw_on_surface, draw_near_surface,
+        draw_inside,     draw_huge_sphere,  draw_tie,     draw_near_tie};
     int escalated = 0, hits = 0, beyond = 0;
     for (int i = 0; i < 20'000; ++i) {
         const RaySample s = distributions[rng.index(9)](rng, binary64);

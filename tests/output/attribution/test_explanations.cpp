@@ -75,14 +75,14 @@ RayQuestion draw(Random& random, const Intersector& form, const Format& format) 
         for (int k = 0; k < 3; ++k)
             if (below(random, 8) == 0) (*v)[k] = in_format(odd[below(random, odd.size())]);
     if (s.ray.direction == Vec<double>(0, 0, 0)) s.ray.direction.x = 1;
-    RayQuestion asked{&form, format, scene::rays::make_group(s.ray)};
-    asked.group.primitives = s.primitives;
+    RayQuestion question{&form, format, scene::rays::make_group(s.ray)};
+    question.group.primitives = s.primitives;
     if (is_primitive(form.shape) && random.one_in(3))
-        asked.group.primitives.push_back(draw_setting(random, form, format, 1).primitives.front());
-    if (!is_primitive(form.shape)) asked.group.march = s.march;
+        question.group.primitives.push_back(draw_setting(random, form, format, 1).primitives.front());
+    if (!is_primitive(form.shape)) question.group.march = s.march;
     constexpr std::array<std::optional<Touching>, 3> judged{std::nullopt, Touching::hit, Touching::miss};
-    asked.judged = judged[below(random, judged.size())];
-    return asked;
+    question.judged = judged[below(random, judged.size())];
+    return question;
 }
 
 /// A range that ends or begins near a root, so that rounding may decide.
@@ -120,17 +120,17 @@ void on_explained_rays(int rays, std::uint64_t seed, const See& see) {
             const Format format = *find_format(name);
             if (!form.exists_in(format) || (!is_long() && (place + seed) % formats.size() != f)) continue;
             for (int i = 0; i < rays; ++i) {
-                RayQuestion asked = draw(random, form, format);
+                RayQuestion question = draw(random, form, format);
                 INFO(form.info->name << " in " << name << ", ray " << i);
-                const ShownRay plain(asked);
-                see(asked, plain);
+                const ShownRay plain(question);
+                see(question, plain);
                 for (int k = 0; k < 2; ++k) {
                     const Range<double> range = draw_range(random, plain.x);
-                    asked.group.rays.tmin = {range.tmin};
-                    asked.group.rays.tmax = {range.tmax};
-                    asked.group.rays.open_ends = range.open_ends;
+                    question.group.rays.tmin = {range.tmin};
+                    question.group.rays.tmax = {range.tmax};
+                    question.group.rays.open_ends = range.open_ends;
                     INFO("from " << range.tmin << " to " << range.tmax << ", open " << name_of(range.open_ends));
-                    see(asked, ShownRay(asked));
+                    see(question, ShownRay(question));
                 }
             }
         }
@@ -145,12 +145,12 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 /// The decision without rounding, by the tape, which has no range, and the function that batches call.
-std::optional<bool> exact_decision(const RayQuestion& asked, const Explanation& explanation) {
-    const OneRay ray = asked.ray();
-    const OneRay::Inputs in = ray.inputs(*asked.form, asked.format);
-    const auto aim = in.format_inputs.target_for(*asked.form, static_cast<std::size_t>(explanation.primitive_index));
+std::optional<bool> exact_decision(const RayQuestion& question, const Explanation& explanation) {
+    const OneRay ray = question.ray();
+    const OneRay::Inputs in = ray.inputs(*question.form, question.format);
+    const auto aim = in.format_inputs.target_for(*question.form, static_cast<std::size_t>(explanation.primitive_index));
     Tape tape;
-    asked.form->record(asked.format, in.ray(*asked.form->info), aim, explanation.range.tmax, tape);
+    question.form->record(question.format, in.ray(*question.form->info), aim, explanation.range.tmax, tape);
     const auto found = measure::attribution::attribute(tape, {.full = true});
     double t = found[tape.outputs.t].exact, near = found[tape.outputs.near].exact, far = found[tape.outputs.far].exact;
     for (const double root : {t, near, far})  // rounded to a double, it may be on the other side
@@ -162,7 +162,7 @@ std::optional<bool> exact_decision(const RayQuestion& asked, const Explanation& 
     const intersect::table::RayBatch<double> batch{one(zero), one(zero),  one(zero),
                                                    one(zero), one(zero),  one(zero),
                                                    one(end),  one(begin), explanation.range.open_ends};
-    intersect::table::limit_batch_to_range<double>(*asked.form->info, asked.form->shape, batch,
+    intersect::table::limit_batch_to_range<double>(*question.form->info, question.form->shape, batch,
                                                    {one(t), one(near), one(far), std::span(&hit, 1)});
     return hit != 0;
 }
@@ -223,10 +223,10 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
 
 TEST_CASE("the range of a ray is among the inputs and on the tape, and its decisions agree with the form") {
     int limits = 0, decided = 0, turned = 0;
-    on_explained_rays(is_long() ? 40 : 3, 66, [&](const RayQuestion& asked, const ShownRay& shown) {
+    on_explained_rays(is_long() ? 40 : 3, 66, [&](const RayQuestion& question, const ShownRay& shown) {
         INFO(shown.text);
-        const OneRay::Inputs in = shown.ray.inputs(*asked.form, asked.format);
-        const auto answers = measure::answer::evaluate(*asked.form, in.format_inputs);
+        const OneRay::Inputs in = shown.ray.inputs(*question.form, question.format);
+        const auto answers = measure::answer::evaluate(*question.form, in.format_inputs);
         REQUIRE(shown.x.hit == (answers.hit[in.index] != 0));
         if (shown.x.hit) REQUIRE(same_number(shown.x.result.t, answers.t[in.index]));
         const bool whole = shown.x.range.is_whole();
@@ -236,7 +236,7 @@ TEST_CASE("the range of a ray is among the inputs and on the tape, and its decis
         REQUIRE(shown.json["open_ends"] == std::string(name_of(shown.x.range.open_ends)));
         limits += !whole;
         if (shown.x.attribution.loop_was_cut_short) return;
-        if (const auto exact = exact_decision(asked, shown.x)) {
+        if (const auto exact = exact_decision(question, shown.x)) {
             REQUIRE(shown.x.attribution.is_exact_hit == *exact);
             ++decided;
             turned += shown.x.hit != *exact;
@@ -299,8 +299,8 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
 
 TEST_CASE("operations marked as not on the way change neither the decision nor t, whatever their value") {
     int changed = 0;
-    on_explained_rays(1, 68, [&](const RayQuestion& asked, const ShownRay& shown) {
-        if (asked.format.name == std::string("f64")) return;
+    on_explained_rays(1, 68, [&](const RayQuestion& question, const ShownRay& shown) {
+        if (question.format.name == std::string("f64")) return;
         const auto [hit, t, near, far] = shown.x.tape.outputs;
         const output::attribution::OperationView words(shown.x);
         int place = 0;

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "catch.hpp"
-#include "code_only.hpp"
+#include "extract_code.hpp"
 #include "measure/answer/one_ray.hpp"
 #include "measure/attribution/explanation.hpp"
 #include "measure/rows.hpp"
@@ -279,7 +279,7 @@ TEST_CASE("a compiler reads back every string literal, with and without trigraph
         const std::string literal = c_string(text), comment = line_comment(text);
         REQUIRE(std::ranges::all_of(code_points(literal), is_showable));
         REQUIRE(comment.find_first_of("\r\n") == std::string::npos);
-        REQUIRE(lostbits::test::code_only("// " + comment + "\nx\n", lostbits::test::c_code) == "\nx\n");
+        REQUIRE(lostbits::test::extract_code("// " + comment + "\nx\n", lostbits::test::c_code) == "\nx\n");
         source += "// " + comment + "\n" + literal + ",\n";
         counted += "// " + comment + "\nlines++;\n";
         expected += text + '\0';
@@ -352,7 +352,7 @@ TEST_CASE("untrusted names of operations and texts of forms are plain text in al
     const auto no_code = [](const std::string& what, const std::string& text, const lostbits::test::Language& language,
                             std::size_t includes) {
         INFO(what << "\n" << text);
-        const std::string code = lostbits::test::code_only(text, language);
+        const std::string code = lostbits::test::extract_code(text, language);
         // Names of variables are made of letters of labels; nothing else is.
         for (std::size_t at = 0; (at = code.find("pwned", at)) != std::string::npos; ++at)
             CHECK((at > 0 && code[at - 1] == '_'));

@@ -50,7 +50,7 @@ std::vector<std::uint32_t> samples_of(const ExrPart& part) {
     return out;
 }
 
-void serve(ExrBook& book, const std::vector<ExrPart>& parts, std::size_t p, int y, int rows) {
+void write_block(ExrBook& book, const std::vector<ExrPart>& parts, std::size_t p, int y, int rows) {
     auto samples = samples_of(parts[p]);
     const std::size_t line = width * parts[p].spec.channels.size();
     samples.resize(std::max(samples.size(), static_cast<std::size_t>(y + rows) * line));  // rows beyond the last, too
@@ -88,7 +88,7 @@ TEST_CASE("each part of an EXR book reads back under its name, bit for bit", "[e
     const Scratch folder;
     const auto parts = three_parts();
     ExrBook book(folder / "a.exr", parts);
-    for (const std::size_t p : {2, 0, 1}) serve(book, parts, p, 0, height);
+    for (const std::size_t p : {2, 0, 1}) write_block(book, parts, p, 0, height);
     CHECK_FALSE(fs::exists(folder / "a.exr"));
     book.close();
     CHECK(backend().exr_parts(folder / "a.exr") == std::vector<std::string>{"sphere.b.f32", "sphere.a.f64", "truth"});
@@ -102,8 +102,8 @@ TEST_CASE("an EXR book of one unnamed part is a file without parts", "[exr]") {
     for (auto& part : parts) {
         part.name.clear();
         ExrBook book(folder / "a.exr", {part});
-        serve(book, {part}, 0, 0, 15);
-        serve(book, {part}, 0, 15, height - 15);
+        write_block(book, {part}, 0, 0, 15);
+        write_block(book, {part}, 0, 15, height - 15);
         book.close();
         CHECK(backend().exr_parts(folder / "a.exr") == std::vector<std::string>{""});
         check_part(part, backend().read_exr(folder / "a.exr"));
@@ -119,17 +119,17 @@ TEST_CASE("the bytes of an EXR book do not depend on the order of parts or the n
         book.close();
     };
     write("a.exr", [&](ExrBook& book) {
-        for (const std::size_t p : {0, 1, 2}) serve(book, parts, p, 0, height);
+        for (const std::size_t p : {0, 1, 2}) write_block(book, parts, p, 0, height);
     });
     write("b.exr", [&](ExrBook& book) {
         for (int y = 0; y < height; y += 3)
-            for (const std::size_t p : {2, 1, 0}) serve(book, parts, p, y, std::min(3, height - y));
+            for (const std::size_t p : {2, 1, 0}) write_block(book, parts, p, y, std::min(3, height - y));
     });
     write("c.exr", [&](ExrBook& book) {
         std::vector<std::jthread> threads;
         for (const std::size_t p : {0, 1, 2})
             threads.emplace_back([&, p] {
-                for (int y = 0; y < height; ++y) serve(book, parts, p, y, 1);
+                for (int y = 0; y < height; ++y) write_block(book, parts, p, y, 1);
             });
     });
     CHECK(contents(folder / "a.exr").size() > 1000);
@@ -142,10 +142,10 @@ TEST_CASE("an EXR book appears only when closed, and refuses what no reader woul
     const auto parts = three_parts();
     {
         ExrBook book(folder / "a.exr", parts);
-        CHECK_THROWS_AS(serve(book, parts, 0, 1, 1), std::logic_error);
+        CHECK_THROWS_AS(write_block(book, parts, 0, 1, 1), std::logic_error);
         CHECK_THROWS_AS(book.write_rows(0, 0, 1, {}), std::logic_error);
-        for (const std::size_t p : {0, 1}) serve(book, parts, p, 0, height);
-        CHECK_THROWS_AS(serve(book, parts, 0, height, 1), std::logic_error);
+        for (const std::size_t p : {0, 1}) write_block(book, parts, p, 0, height);
+        CHECK_THROWS_AS(write_block(book, parts, 0, height, 1), std::logic_error);
         CHECK_THROWS_AS(book.close(), std::logic_error);
         CHECK(folder.entries() == 1);
     }
@@ -178,11 +178,11 @@ TEST_CASE("a full disk stops an EXR book, is reported to every part, and leaves 
                 many.push_back(parts[0]);
                 many.back().name += std::to_string(p);
             }
-            int told = 0;
+            int failure_count = 0;
             ExrBook book(folder / "a.exr", many);
-            const auto is_told = [&](std::size_t p, int y) {
+            const auto fails_to_write = [&](std::size_t p, int y) {
                 try {
-                    serve(book, many, p, y, std::min(16, height - y));
+                    write_block(book, many, p, y, std::min(16, height - y));
                 } catch (const EnvironmentError& error) {
                     return std::string(error.what()).find(": cannot write: File too large; free space") !=
                            std::string::npos;
@@ -190,10 +190,11 @@ TEST_CASE("a full disk stops an EXR book, is reported to every part, and leaves 
                 return false;
             };
             for (int y = 0; y < height; y += 16) {
-                for (std::size_t p = 0; p < many.size() && told < 5; ++p) told += is_told(p, y);
+                for (std::size_t p = 0; p < many.size() && failure_count < 5; ++p)
+                    failure_count += fails_to_write(p, y);
             }
-            if (told == 0) book.close();
-            return told == 5 ? 1 : told == 0 ? 0 : 2;
+            if (failure_count == 0) book.close();
+            return failure_count == 5 ? 1 : failure_count == 0 ? 0 : 2;
         });
     };
     CHECK(attempt(1000000) == 1);
@@ -208,7 +209,7 @@ TEST_CASE("other programs can read every part of an EXR book", "[exr]") {
     const Scratch folder;
     const auto parts = three_parts();
     ExrBook book(folder / "a.exr", parts);
-    for (const std::size_t p : {0, 1, 2}) serve(book, parts, p, 0, height);
+    for (const std::size_t p : {0, 1, 2}) write_block(book, parts, p, 0, height);
     book.close();
     const std::string out = (folder / "info").string();
     REQUIRE(std::system(("oiiotool --info -v -a " + (folder / "a.exr").string() + " >" + out + " 2>&1").c_str()) == 0);

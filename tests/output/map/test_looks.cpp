@@ -44,15 +44,15 @@ TEST_CASE("a line keeps its own style, and no two lines share one", "[looks]") {
           look_of(plot::plot_lines(std::vector{with_look(2, 1)})[0]));
 
     // Every style and pattern, whether requested or not.
-    for (const int asked : {0, 1, 5, 1000}) {
+    for (const int look_count : {0, 1, 5, 1000}) {
         std::vector<plot::Series> many;
         for (int k = 0; k < 240; ++k) {
             many.push_back(level(std::to_string(k), k));
-            if (asked > 0 && k % 3 == 0) many.back().look = static_cast<std::size_t>(k % asked);
+            if (look_count > 0 && k % 3 == 0) many.back().look = static_cast<std::size_t>(k % look_count);
         }
         std::set<Look> seen;
         for (const plot::PlotLine& line : plot::plot_lines(many)) seen.insert(look_of(line));
-        CAPTURE(asked);
+        CAPTURE(look_count);
         CHECK(seen.size() == many.size());
     }
 }

@@ -91,8 +91,8 @@ TEST_CASE("scales of magnitudes fit the format", "[metric_paint]") {
     CHECK(metric_scale(*find_metric("relative_error"), binary32).lo() == 0x1p-30);
     CHECK(metric_scale(*find_metric("relative_error"), binary64).lo() == 0x1p-59);
     CHECK(metric_scale(*find_metric("condition"), binary64).lo() == 1);
-    const auto asked = metric_scale(*find_metric("ulp_error"), binary64, BarRange{1, 16});
-    CHECK(asked.colour_of_value(4) == asked.colour_at_position(0.5));
+    const auto scale = metric_scale(*find_metric("ulp_error"), binary64, BarRange{1, 16});
+    CHECK(scale.colour_of_value(4) == scale.colour_at_position(0.5));
     const auto bits = metric_scale(*find_metric("lost_bits"), binary64, BarRange{2, 6});
     CHECK(bits.colour_of_value(4) == bits.colour_at_position(0.5));
 }

@@ -27,8 +27,8 @@ constexpr std::uint64_t rays = 1000;
 constexpr std::size_t steps = 40;
 
 /// A sphere of radius 1 along the distance in radii, or one of another axis.
-std::string sweep_of(const std::string& distribution, const std::string& axis, const std::string& from,
-                     const std::string& to, std::size_t count = 9) {
+std::string make_sweep_file(const std::string& distribution, const std::string& axis, const std::string& from,
+                            const std::string& to, std::size_t count = 9) {
     return "schema = \"lostbits-sweep/1\"\ntitle = \"A test\"\nsource = \"-\"\n[sphere_rays]\nviews = 2\n" +
            distribution + "\n[[axis]]\nname = \"" + axis + "\"\nspacing = \"log2\"\nfrom = " + from + "\nto = " + to +
            "\nsteps = " + std::to_string(count) + "\nset = [\"" + axis + "\"]\n";
@@ -42,7 +42,7 @@ std::optional<output::sweep::AxisPart> part_of(const std::string& text, const Fl
 /// A sweep whose numbers are made up.
 struct MadePlots {
     MadePlots()
-        : text(sweep_of("rays = 16", "distance", "2", "\"0x1p20\"", steps)),
+        : text(make_sweep_file("rays = 16", "distance", "2", "\"0x1p20\"", steps)),
           sweep(text.path(), LOSTBITS_DATA_DIR),
           request{.sweep = sweep, .tested_forms = {row("sphere.schoolbook", "f32")}, .metrics = {}} {
         for (const char* name : {"lost_bits", "inherent_bits"})
@@ -142,7 +142,7 @@ TEST_CASE("an envelope is drawn for a form that returns t, and not for one that 
 
 TEST_CASE("an ulp of the distance is as wide as the sphere from 2^p radii on", "[too_far]") {
     // In [2^24, 2^25) an ulp of a float is 2, the width of a unit sphere; before that it is 1.
-    const std::string text = sweep_of("rays = 2\nradius = 1", "distance", "4", "\"0x1p40\"");
+    const std::string text = make_sweep_file("rays = 2\nradius = 1", "distance", "4", "\"0x1p40\"");
     const auto single = part_of(text, binary32);
     REQUIRE(single.has_value());
     CHECK(std::fabs(single->from / 0x1p24 - 1) <= 0x1p-8);
@@ -151,12 +151,12 @@ TEST_CASE("an ulp of the distance is as wide as the sphere from 2^p radii on", "
     const auto brain = part_of(text, bfloat16);
     REQUIRE(brain.has_value());
     CHECK(std::fabs(brain->from / 0x1p8 - 1) <= 0x1p-5);
-    CHECK_FALSE(part_of(sweep_of("rays = 2\nradius = 1", "distance", "4", "1024"), binary32).has_value());
-    const auto all = part_of(sweep_of("rays = 2\nradius = 1", "distance", "\"0x1p30\"", "\"0x1p40\""), binary32);
+    CHECK_FALSE(part_of(make_sweep_file("rays = 2\nradius = 1", "distance", "4", "1024"), binary32).has_value());
+    const auto all = part_of(make_sweep_file("rays = 2\nradius = 1", "distance", "\"0x1p30\"", "\"0x1p40\""), binary32);
     REQUIRE(all.has_value());
     CHECK((all->from == 0x1p30 && all->to == 0x1p40));
     // The direction of the axis does not matter.
-    const auto falling = part_of(sweep_of("rays = 2\nradius = 1", "distance", "\"0x1p40\"", "4"), binary32);
+    const auto falling = part_of(make_sweep_file("rays = 2\nradius = 1", "distance", "\"0x1p40\"", "4"), binary32);
     REQUIRE(falling.has_value());
     CHECK((falling->from == single->from && falling->to == single->to));
 }

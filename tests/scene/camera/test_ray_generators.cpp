@@ -19,7 +19,7 @@ using namespace lostbits;
 using namespace lostbits::scene;
 using scene::camera::ray_generators;
 using scene::camera::RayGenerator;
-using scene::test::loaded;
+using scene::test::load_text;
 using Fraction = boost::multiprecision::cpp_rational;
 using Fractions = std::array<Fraction, 3>;
 
@@ -92,7 +92,7 @@ const Planes planes[] = {
 
 TEST_CASE("every ray generator gives the exact ray of the pixel when nothing is rounded") {
     for (const Planes& p : planes) {
-        const file::Scene plain = loaded(scene_of("100, -20, 7", "102, -17, 13", p.text));
+        const file::Scene plain = load_text(scene_of("100, -20, 7", "102, -17, 13", p.text));
         const auto numbers = rays::compute_camera_numbers(plain);
         for (const RayGenerator& generator : ray_generators()) {
             if (p.without.contains(std::string(generator.info->name))) continue;
@@ -111,7 +111,7 @@ TEST_CASE("every ray generator gives the exact ray of the pixel when nothing is 
 TEST_CASE("ideal rays agree with fractions, from the eye or from the near plane") {
     for (const RayGenerator& generator : ray_generators()) {
         const file::Scene scene =
-            with_ray_generator(loaded(scene_of("100, -20, 7", "102, -17, 13", "near = 0.25\nfar = 64")), generator);
+            with_ray_generator(load_text(scene_of("100, -20, 7", "102, -17, 13", "near = 0.25\nfar = 64")), generator);
         const auto ideal = rays::make_own_rays(scene, 1, 3);
         REQUIRE(ideal.generated_rays);
         REQUIRE(ideal.size() == 2 * width);
@@ -122,7 +122,8 @@ TEST_CASE("ideal rays agree with fractions, from the eye or from the near plane"
 }
 
 TEST_CASE("ray generators give the same rays in machine floats and in emulated formats") {
-    const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
+    const file::Scene plain =
+        load_text(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
     const auto numbers = rays::compute_camera_numbers(plain);
     for (const RayGenerator& generator : ray_generators()) {
         CAPTURE(generator.info->name);
@@ -147,7 +148,8 @@ TEST_CASE("ray generators give the same rays in machine floats and in emulated f
 }
 
 TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers") {
-    const file::Scene plain = loaded(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
+    const file::Scene plain =
+        load_text(scene_of("7401.3, 5921.1, 7896.7", "7399, 5930, 7890", "near = 0.1\nfar = 1000"));
     for (const RayGenerator& generator : ray_generators()) {
         const file::Scene scene = with_ray_generator(plain, generator);
         const rays::GeneratedRays made(scene);
@@ -178,7 +180,7 @@ TEST_CASE("the tape of a ray generator gives its rays from the camera's numbers"
 TEST_CASE("generators that rotate a direction in camera space give the same rays for every camera position") {
     const auto directions = [](const RayGenerator& generator, const std::string& eye, const std::string& look_at) {
         const file::Scene scene =
-            with_ray_generator(loaded(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
+            with_ray_generator(load_text(scene_of(eye, look_at, "near = 0.125\nfar = 1024")), generator);
         const rays::RayBlock block = rays::GeneratedRays(scene).make_rounded_rays(binary32, 0, height);
         return std::vector<std::vector<double>>{block.dx, block.dy, block.dz};
     };
@@ -193,13 +195,13 @@ TEST_CASE("generators that rotate a direction in camera space give the same rays
 
 TEST_CASE("shared inputs round the camera itself to binary32") {
     const std::string text = scene_of("0.1, 0.2, 0.3", "0.7, 5, 9", "near = 0.1\nfar = 1000.1");
-    const file::Scene scene = with_ray_generator(loaded(text), *camera::find_ray_generator("three"));
+    const file::Scene scene = with_ray_generator(load_text(text), *camera::find_ray_generator("three"));
     CHECK(scene.inputs == file::InputRounding::own);
     CHECK(scene.camera.eye.x == Real(0.1F));
     CHECK(scene.camera.projection->near == Real(0.1F));
     CHECK(*scene.camera.projection->far == Real(1000.1F));
     const file::Scene own =
-        with_ray_generator(loaded(scene::test::replaced(text, "size =", "inputs = \"own\"\nsize =")),
+        with_ray_generator(load_text(scene::test::replace_text(text, "size =", "inputs = \"own\"\nsize =")),
                            *camera::find_ray_generator("three"));
     CHECK(own.camera.eye.x == scene::test::real("0.1"));
 }
@@ -208,8 +210,8 @@ TEST_CASE("no ray is generated where w is 0: an infinite far plane, or z = 0 wit
     for (const auto& [planes_text, name] : {std::pair("near = 2\ndepth = \"reversed\"", "dxr"),
                                             {"near = 2\ndepth = \"reversed\"", "glm"},
                                             {"near = 2", "glm"}}) {
-        const file::Scene scene =
-            with_ray_generator(loaded(scene_of("0, 0, 0", "2, 3, 6", planes_text)), *camera::find_ray_generator(name));
+        const file::Scene scene = with_ray_generator(load_text(scene_of("0, 0, 0", "2, 3, 6", planes_text)),
+                                                     *camera::find_ray_generator(name));
         const rays::RayBlock block = rays::GeneratedRays(scene).make_rounded_rays(binary32, 0, height);
         for (std::size_t i = 0; i < block.size(); ++i) CHECK_FALSE(std::isfinite(block.dx[i]));
     }

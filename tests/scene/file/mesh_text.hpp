@@ -24,7 +24,7 @@ void append(std::string& to, T x, bool turned = false) {
     to.append(raw, sizeof x);
 }
 
-inline std::string as_obj(const Mesh& mesh) {
+inline std::string to_obj(const Mesh& mesh) {
     std::string text = "# an object\no ball\n";
     for (const auto& v : mesh.vertices) text += fmt::format("v {} {} {}\n", v.x, v.y, v.z);
     for (const auto& [a, b, c] : mesh.faces)
@@ -44,7 +44,7 @@ inline std::string ply_header(const char* format, const char* type, const Mesh& 
 }
 
 template <class T>
-inline std::string as_ply_text(const Mesh& mesh) {
+inline std::string to_ply_text(const Mesh& mesh) {
     std::string text = ply_header("ascii", sizeof(T) == 4 ? "float" : "double", mesh);
     for (const auto& v : mesh.vertices)
         text += fmt::format("255 {} {} {}\n", static_cast<T>(v.x), static_cast<T>(v.y), static_cast<T>(v.z));
@@ -53,7 +53,7 @@ inline std::string as_ply_text(const Mesh& mesh) {
 }
 
 template <class T>
-inline std::string as_ply_bytes(const Mesh& mesh, bool big) {
+inline std::string to_ply_bytes(const Mesh& mesh, bool big) {
     std::string all =
         ply_header(big ? "binary_big_endian" : "binary_little_endian", sizeof(T) == 4 ? "float32" : "float64", mesh);
     for (const auto& v : mesh.vertices) {
@@ -68,7 +68,7 @@ inline std::string as_ply_bytes(const Mesh& mesh, bool big) {
     return all;
 }
 
-inline std::string as_stl_bytes(const Mesh& mesh) {
+inline std::string to_stl_bytes(const Mesh& mesh) {
     std::string all = "solid, says the head of this binary file";
     all.resize(80, ' ');
     append(all, static_cast<std::uint32_t>(mesh.faces.size()));
@@ -81,7 +81,7 @@ inline std::string as_stl_bytes(const Mesh& mesh) {
     return all;
 }
 
-inline std::string as_stl_text(const Mesh& mesh) {
+inline std::string to_stl_text(const Mesh& mesh) {
     std::string text = "solid ball\n";
     for (const auto& face : mesh.faces) {
         text += "  facet normal 0 0 0\n    outer loop\n";
@@ -96,7 +96,7 @@ inline std::string as_stl_text(const Mesh& mesh) {
 
 /// The JSON of a mesh whose buffer begins with the indices (uint32) and then has the vertices; `buffer` says where it
 /// is.
-inline std::string as_gltf(const Mesh& mesh, const std::string& buffer, const std::string& node = "") {
+inline std::string to_gltf(const Mesh& mesh, const std::string& buffer, const std::string& node = "") {
     const std::size_t places = 12 * mesh.faces.size(), vertices = 12 * mesh.vertices.size();
     return fmt::format(
         R"({{"asset": {{"version": "2.0"}}, "scene": 0, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0{}}}],
@@ -115,8 +115,8 @@ inline std::string buffer_of_gltf(const Mesh& mesh) {
         for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(v[k]));
     return bytes;
 }
-inline std::string as_glb(const Mesh& mesh) {
-    std::string json = as_gltf(mesh, ""), buffer = buffer_of_gltf(mesh), all = "glTF";
+inline std::string to_glb(const Mesh& mesh) {
+    std::string json = to_gltf(mesh, ""), buffer = buffer_of_gltf(mesh), all = "glTF";
     json.resize((json.size() + 3) / 4 * 4, ' ');
     append(all, std::uint32_t{2});
     append(all, static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + buffer.size()));
@@ -127,7 +127,7 @@ inline std::string as_glb(const Mesh& mesh) {
 }
 
 /// A fan of triangles whose corners are random numbers of any exponent that a cross product of floats survives.
-inline Mesh random_mesh(bool of_binary32) {
+inline Mesh draw_mesh(bool of_binary32) {
     lostbits::test::Random random(11);
     Mesh mesh;
     for (std::uint32_t i = 0; i < 33000; ++i) {

@@ -46,14 +46,16 @@ ka = 0
 ks = 0
 )";
 
-std::string broken(const std::string& from, const std::string& to) { return scene_error(replaced(painted, from, to)); }
+std::string broken(const std::string& from, const std::string& to) {
+    return scene_error(replace_text(painted, from, to));
+}
 
 bool equal(const Vec<Real>& v, double x, double y, double z) { return v.x == x && v.y == y && v.z == z; }
 
 }  // namespace
 
 TEST_CASE("a scene without appearance keys asks for no stage") {
-    const Scene s = loaded(good_scene);
+    const Scene s = load_text(good_scene);
     CHECK(s.appearance.last_stage() == Stage::visible);
     REQUIRE(s.appearance.materials.size() == 1);
     CHECK(equal(s.appearance.materials[0].colour, 1, 1, 1));
@@ -64,7 +66,7 @@ TEST_CASE("a scene without appearance keys asks for no stage") {
 }
 
 TEST_CASE("a sphere's own appearance keys override those of its material") {
-    const Scene s = loaded(painted);
+    const Scene s = load_text(painted);
     const Appearance& look = s.appearance;
     CHECK(look.last_stage() == Stage::phong);
     CHECK(equal(look.background, 0.25, 0.5, 1));
@@ -84,22 +86,22 @@ TEST_CASE("a sphere's own appearance keys override those of its material") {
     CHECK(look.materials[1].specular == 0);
     CHECK(look.materials[1].exponent == 7);
     const Scene eps =
-        loaded(replaced(painted, "offset = \"ulp\"\nulps = 4",
-                        "offset = \"epsilon\"\nepsilon = 1e-3\nsurface = \"half_diffuse\"\nbackground = 0.25"));
+        load_text(replace_text(painted, "offset = \"ulp\"\nulps = 4",
+                               "offset = \"epsilon\"\nepsilon = 1e-3\nsurface = \"half_diffuse\"\nbackground = 0.25"));
     CHECK(eps.appearance.shadows->epsilon == Real(1) / 1000);
     CHECK(eps.appearance.shadows->keeps_half_diffuse);
     CHECK(eps.appearance.shadows->background == Real(1) / 4);
 }
 
 TEST_CASE("a scene asks for every stage that it has the inputs for, and stages do not replace each other") {
-    const Appearance phong = loaded(painted).appearance;
+    const Appearance phong = load_text(painted).appearance;
     for (const Stage s : {Stage::visible, Stage::diffuse, Stage::shadows, Stage::phong})
         CHECK(phong.last_stage_up_to(s) == s);
-    const Appearance matte = loaded(replaced(painted, "ks = 0.5", "ks = 0")).appearance;
+    const Appearance matte = load_text(replace_text(painted, "ks = 0.5", "ks = 0")).appearance;
     CHECK(matte.last_stage() == Stage::shadows);
     CHECK_FALSE(matte.has_stage(Stage::phong));
     const Appearance plain =
-        loaded(replaced(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
+        load_text(replace_text(painted, "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "")).appearance;
     CHECK(plain.last_stage() == Stage::phong);
     CHECK(plain.last_stage_up_to(Stage::shadows) == Stage::diffuse);
 }
@@ -117,8 +119,8 @@ TEST_CASE("wrong values of light and paint are refused with their line") {
     CHECK(broken("position = [5, 6, 7]", "position = [5, 6, 4e38]")
               .starts_with("scene.toml:10:12: light.position overflows binary32"));
     CHECK(has(broken("[light]\nposition = [5, 6, 7]\n", ""), "shadows need a light to cast them; add [light]"));
-    const std::string dark = replaced(replaced(painted, "[light]\nposition = [5, 6, 7]\n", ""),
-                                      "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "");
+    const std::string dark = replace_text(replace_text(painted, "[light]\nposition = [5, 6, 7]\n", ""),
+                                          "[shadows]\nown = true\noffset = \"ulp\"\nulps = 4\n", "");
     CHECK(has(scene_error(dark), "ks above 0 asks for a highlight, which needs a light; add [light]"));
     CHECK(broken("own = true\n", "").starts_with("scene.toml:12:1: shadows.offset needs own = true"));
     CHECK(broken("ulps = 4", "epsilon = 4").starts_with("scene.toml:14:1: shadows.epsilon needs offset = \"epsilon\""));
@@ -127,7 +129,7 @@ TEST_CASE("wrong values of light and paint are refused with their line") {
 }
 
 TEST_CASE("rays of the pixel plane run from the eye through pixel centres at z = 0, where t = 1") {
-    const Scene s = loaded(painted);  // 8 × 4 pixels over [-4, 4] × [-1, 3]: one unit each
+    const Scene s = load_text(painted);  // 8 × 4 pixels over [-4, 4] × [-1, 3]: one unit each
     const auto frame = make_frame<double>(s);
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 3}, {3, 1}}) {
         const Vec<double> p = pixel_point(frame, x, y);
@@ -139,7 +141,7 @@ TEST_CASE("rays of the pixel plane run from the eye through pixel centres at z =
     const RayBlock rays = make_shared_rays(s, 1, 2);
     CHECK(rays.dx[2] == -1.5 - 1);
     CHECK(rays.dz[2] == -10);
-    const Scene oblong = loaded(replaced(painted, "extent = [-4, -1, 4, 3]", "extent = [0, 0, 4, 8]"));
+    const Scene oblong = load_text(replace_text(painted, "extent = [-4, -1, 4, 3]", "extent = [0, 0, 4, 8]"));
     CHECK(pixel_point(make_frame<double>(oblong), 1, 0) == Vec<double>(0.75, 7, 0));
 }
 
@@ -152,7 +154,7 @@ TEST_CASE("wrong values of the pixel plane are refused with their line") {
               .starts_with("scene.toml:8:10: camera.extent covers nothing"));
     CHECK(broken("extent = [-4, -1, 4, 3]", "extent = [-4, -1, 4, 3]\nlook_at = [0, 0, 0]")
               .starts_with("scene.toml:9:1: camera.look_at has no meaning"));
-    CHECK(scene_error(replaced(good_scene, "width = 2.5", "width = 2.5\nextent = [0, 0, 1, 1]"))
+    CHECK(scene_error(replace_text(good_scene, "width = 2.5", "width = 2.5\nextent = [0, 0, 1, 1]"))
               .starts_with("scene.toml:13:1: camera.extent belongs to kind"));
 }
 

@@ -62,7 +62,7 @@ double six_volumes(const Mesh& mesh) {
 }
 
 std::string with_mesh(const std::string& table) {
-    return replaced(good_scene, good_scene.substr(good_scene.find("[[sphere]]")), "") + "[[mesh]]\n" + table;
+    return replace_text(good_scene, good_scene.substr(good_scene.find("[[sphere]]")), "") + "[[mesh]]\n" + table;
 }
 
 std::string error_of_mesh(const std::string& table) {
@@ -203,7 +203,7 @@ TEST_CASE("faces without area are reported, those caused by rounding only where 
                  "f 1 2 3\nf 1 2 5\nf 2 3 4\n");
     const auto remarks = [&](const std::string& inputs) {
         const std::string text = with_mesh("file = \"thin.obj\"\n");
-        const auto path = folder.write("scene.toml", replaced(text, "shared", inputs));
+        const auto path = folder.write("scene.toml", replace_text(text, "shared", inputs));
         return load_scene(path).front().remarks();
     };
     REQUIRE(remarks("own").size() == 1);
@@ -214,7 +214,7 @@ TEST_CASE("faces without area are reported, those caused by rounding only where 
 
 TEST_CASE("meshes come after the other primitives, and their numbers are stored in the scene's format", "[mesh]") {
     const std::string text = with_mesh("make = \"icosphere\"\nlevels = 1\n[[mesh]]\nmake = \"fan\"\ncount = 8\n");
-    const auto scene = loaded(text);
+    const auto scene = load_text(text);
     REQUIRE(scene.mesh);
     CHECK(scene.mesh->faces.size() == 88);
     CHECK(scene.primitive_count() == 88);
@@ -277,8 +277,9 @@ TEST_CASE("the sphereflake of two levels equals the scene that lists its ninety-
 }
 
 TEST_CASE("a sphereflake comes after the other spheres, and a wrong one is refused with its line") {
-    const std::string text = replaced(good_scene, "[[sphere]]", "[sphereflake]\nlevels = 1\nradius = 0.5\n[[sphere]]");
-    const Scene s = loaded(text);
+    const std::string text =
+        replace_text(good_scene, "[[sphere]]", "[sphereflake]\nlevels = 1\nradius = 0.5\n[[sphere]]");
+    const Scene s = load_text(text);
     CHECK(s.shapes() == std::vector{Shape::sphere});
     CHECK(s.primitives().size() == 11);
     const auto shared = make_shared_primitives(s);
@@ -287,7 +288,7 @@ TEST_CASE("a sphereflake comes after the other spheres, and a wrong one is refus
     CHECK(shared[1].sphere().radius == 0.5);
     CHECK(shared[10].sphere().radius == static_cast<double>(static_cast<float>(0.5 / 3)));
     const auto broken = [&](const std::string& from, const std::string& to) {
-        return scene_error(replaced(text, from, to));
+        return scene_error(replace_text(text, from, to));
     };
     CHECK(broken("levels = 1", "levels = 10")
               .find("scene.toml:14:10: sphereflake.levels must be a whole number from 0 to 9") == 0);
@@ -297,15 +298,15 @@ TEST_CASE("a sphereflake comes after the other spheres, and a wrong one is refus
 }
 
 TEST_CASE("constants of a march default to the seed's values, and wrong ones are refused with their line") {
-    const std::string text = replaced(good_scene, "[[sphere]]", "[march]\nhit_eps = 0.01\n[[sphere]]");
-    const Scene s = loaded(text);
+    const std::string text = replace_text(good_scene, "[[sphere]]", "[march]\nhit_eps = 0.01\n[[sphere]]");
+    const Scene s = load_text(text);
     REQUIRE(s.march);
     CHECK(s.march->hit_eps == Real("0.01"));
     CHECK(s.march->max_dist == 20);
     CHECK(s.march->max_steps == 64);
     CHECK(s.accepts(Shape::sdf));
     CHECK(s.accepts(Shape::sphere));
-    const auto broken = [&](const std::string& to) { return scene_error(replaced(text, "hit_eps = 0.01", to)); };
+    const auto broken = [&](const std::string& to) { return scene_error(replace_text(text, "hit_eps = 0.01", to)); };
     CHECK(broken("hit_eps = 0").find("scene.toml:14:11: march.hit_eps must be greater than 0") == 0);
     CHECK(has(broken("hit_eps = 1e-50"), "march.hit_eps must be greater than 0 when it is stored"));
     CHECK(has(broken("max_dist = 1e39"), "march.max_dist overflows binary32"));

@@ -16,20 +16,20 @@ TEST_CASE("vertices keep the bits of the file", "[mesh]") {
         INFO(name);
         CHECK(are_same(read_mesh_file(folder.write(name, bytes)), mesh));
     };
-    const Mesh wide = random_mesh(false), narrow = random_mesh(true);
-    arrives("wide.obj", wide, as_obj(wide));
+    const Mesh wide = draw_mesh(false), narrow = draw_mesh(true);
+    arrives("wide.obj", wide, to_obj(wide));
     arrives("wide.ply", wide, as_ply_text<double>(wide));
     arrives("wide-little.ply", wide, as_ply_bytes<double>(wide, false));
     arrives("wide-big.ply", wide, as_ply_bytes<double>(wide, true));
-    arrives("wide.stl", wide, as_stl_text(wide));
-    arrives("narrow.obj", narrow, as_obj(narrow));
+    arrives("wide.stl", wide, to_stl_text(wide));
+    arrives("narrow.obj", narrow, to_obj(narrow));
     arrives("narrow.ply", narrow, as_ply_text<float>(narrow));
     arrives("narrow-little.ply", narrow, as_ply_bytes<float>(narrow, false));
     arrives("narrow-big.ply", narrow, as_ply_bytes<float>(narrow, true));
-    arrives("narrow.stl", narrow, as_stl_bytes(narrow));
-    arrives("narrow.glb", narrow, as_glb(narrow));
+    arrives("narrow.stl", narrow, to_stl_bytes(narrow));
+    arrives("narrow.glb", narrow, to_glb(narrow));
     folder.write("narrow.bin", buffer_of_gltf(narrow));
-    arrives("narrow.gltf", narrow, as_gltf(narrow, R"(, "uri": "narrow.bin")"));
+    arrives("narrow.gltf", narrow, to_gltf(narrow, R"(, "uri": "narrow.bin")"));
 }
 
 TEST_CASE("a file without indices gives a mesh as closed as the one written", "[mesh]") {
@@ -37,8 +37,8 @@ TEST_CASE("a file without indices gives a mesh as closed as the one written", "[
     for (auto& v : ball.vertices)
         for (int k = 0; k < 3; ++k) v[k] = static_cast<float>(v[k]);
     const Scratch folder;
-    for (const auto& path : {folder.write("a.stl", as_stl_bytes(ball)), folder.write("b.stl", as_stl_text(ball)),
-                             folder.write("c.obj", as_obj(ball))}) {
+    for (const auto& path : {folder.write("a.stl", to_stl_bytes(ball)), folder.write("b.stl", to_stl_text(ball)),
+                             folder.write("c.obj", to_obj(ball))}) {
         const Mesh read = read_mesh_file(path);
         CHECK(read.vertices.size() == ball.vertices.size());
         CHECK(2 * shared_edges(read).size() == 3 * ball.faces.size());
@@ -116,7 +116,7 @@ TEST_CASE("a file that is not a mesh is refused with its line or offset", "[mesh
           "a.fbx: is not a known kind of mesh; its name must end in .obj, .ply, .stl, .gltf or .glb");
 
     const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
-    const std::string stl = as_stl_bytes(ball), ply = as_ply_bytes<float>(ball, false);
+    const std::string stl = to_stl_bytes(ball), ply = as_ply_bytes<float>(ball, false);
     CHECK(error_of_file("a.stl", "x" + stl.substr(1, 500)) ==
           "a.stl: byte 80: is not an STL: it does not begin with the word solid, and with 20 facets it would have 1084 "
           "bytes and not 501; was it cut short?");
@@ -124,7 +124,7 @@ TEST_CASE("a file that is not a mesh is refused with its line or offset", "[mesh
           "a.ply: byte 499: ends before all elements are there; was it cut short?");
     CHECK(error_of_file("a.ply", ply.substr(0, 300)) ==
           "a.ply: byte 256: ends before the 12 elements of vertex, which take at least 156 bytes; was it cut short?");
-    const std::string other_order = replaced(ply, "little", "big");
+    const std::string other_order = replace_text(ply, "little", "big");
     CHECK(has(error_of_file("a.ply", other_order), "is the byte order the one that the format line says?"));
 }
 
@@ -145,9 +145,9 @@ TEST_CASE("a PLY may have lists that are not corners, in text and in bytes", "[m
     const Mesh bytes =
         read_mesh_file(folder.write("b.ply", header("binary_big_endian") + std::string(numbers, sizeof numbers)));
     CHECK(are_same(bytes, text));
-    CHECK(error_of_file("a.ply", replaced(header("ascii"), "uchar x", "list uchar uchar x")) ==
+    CHECK(error_of_file("a.ply", replace_text(header("ascii"), "uchar x", "list uchar uchar x")) ==
           "a.ply:5:27: x of a vertex is a list; it must be one number");
-    CHECK(error_of_file("a.ply", replaced(header("ascii"), "list uchar uchar vertex", "uchar vertex")) ==
+    CHECK(error_of_file("a.ply", replace_text(header("ascii"), "list uchar uchar vertex", "uchar vertex")) ==
           "a.ply:12:16: vertex_indices of a face is one number; it must be a list");
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("text that would hide a line or a face is refused", "[mesh]") {
     CHECK(ply(vertices + faces, all + "3 0 nan 2\n").starts_with("a.ply:13:5: names vertex nan of 3"));
     CHECK(ply(vertices + faces, all + "3 0 1e30 2\n")
               .starts_with("a.ply:13:5: names vertex 1.0000000150474662e+30 of 3"));
-    CHECK(ply(vertices + replaced(faces, "uchar", "float"), all + "2.5 0 1 2\n") ==
+    CHECK(ply(vertices + replace_text(faces, "uchar", "float"), all + "2.5 0 1 2\n") ==
           "a.ply:13:1: the length of vertex_indices is 2.5; it must be a whole number up to a million");
     CHECK(ply(vertices + faces, all + "3 0 1 2 1\n") ==
           "a.ply:13:9: is one value too many: the header lists no more properties of this element");
@@ -215,8 +215,8 @@ TEST_CASE("a byte order mark is skipped", "[mesh]") {
     const std::string mark = "\xEF\xBB\xBF";
     folder.write("ball.bin", buffer_of_gltf(ball));
     for (const auto& [name, text] :
-         {std::pair{"a.obj", as_obj(ball)}, std::pair{"a.ply", as_ply_text<double>(ball)},
-          std::pair{"a.stl", as_stl_text(ball)}, std::pair{"a.gltf", as_gltf(ball, R"(, "uri": "ball.bin")")}}) {
+         {std::pair{"a.obj", to_obj(ball)}, std::pair{"a.ply", as_ply_text<double>(ball)},
+          std::pair{"a.stl", to_stl_text(ball)}, std::pair{"a.gltf", to_gltf(ball, R"(, "uri": "ball.bin")")}}) {
         INFO(name);
         const Mesh plain = read_mesh_file(folder.write(name, text));
         CHECK(are_same(read_mesh_file(folder.write(std::string("marked-") + name, mark + text)), plain));
@@ -238,9 +238,9 @@ TEST_CASE("a number too small for its type is rounded as any other", "[mesh]") {
     CHECK(first_of("1e-310") == 1e-310);
     CHECK(first_of("0." + std::string(400, '0') + "1") == 0);
     std::string text = as_ply_text<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1));
-    text = replaced(text, "255 0 ", "255 1e-60 ");
+    text = replace_text(text, "255 0 ", "255 1e-60 ");
     CHECK(error_of_file("a.ply", text) == "no error");
-    CHECK(has(error_of_file("a.ply", replaced(text, "1e-60", "1e60")), "x is \"1e60\", which overflows"));
+    CHECK(has(error_of_file("a.ply", replace_text(text, "1e-60", "1e60")), "x is \"1e60\", which overflows"));
 }
 
 TEST_CASE("a vertex that the scene cannot hold is refused with its position in the file", "[mesh]") {
@@ -254,17 +254,17 @@ TEST_CASE("a vertex that the scene cannot hold is refused with its position in t
     const std::string says =
         "overflows binary32, to which inputs = \"shared\" rounds; scale the mesh, or write inputs = "
         "\"own\"";
-    CHECK(error_with(binary64, "a.obj", as_obj(vast)) == "no error");
-    CHECK(has(error_with(binary32, "a.obj", as_obj(vast)), says));
+    CHECK(error_with(binary64, "a.obj", to_obj(vast)) == "no error");
+    CHECK(has(error_with(binary32, "a.obj", to_obj(vast)), says));
     CHECK(
-        error_with(binary32, "a.obj", as_obj(vast)).starts_with("a.obj:5:5: y is \"3.4028235677973366e+38\", which "));
+        error_with(binary32, "a.obj", to_obj(vast)).starts_with("a.obj:5:5: y is \"3.4028235677973366e+38\", which "));
     CHECK(has(error_with(binary32, "a.ply", as_ply_text<double>(vast)), says));
     CHECK(has(error_with(binary32, "a.ply", as_ply_bytes<double>(vast, true)), says));
-    CHECK(has(error_with(binary32, "a.stl", as_stl_text(vast)), says));
+    CHECK(has(error_with(binary32, "a.stl", to_stl_text(vast)), says));
     vast.vertices[2].y = 0x1.fffffep127;
     for (const auto& [name, bytes] :
-         {std::pair{"a.obj", as_obj(vast)}, std::pair{"a.ply", as_ply_bytes<double>(vast, true)},
-          std::pair{"a.stl", as_stl_text(vast)}})
+         {std::pair{"a.obj", to_obj(vast)}, std::pair{"a.ply", as_ply_bytes<double>(vast, true)},
+          std::pair{"a.stl", to_stl_text(vast)}})
         CHECK(error_with(binary32, name, bytes) == "no error");
 }
 
@@ -274,8 +274,8 @@ TEST_CASE("truncated or corrupted mesh files are read or refused without a crash
     lostbits::test::Random random(5);
     std::size_t refused = 0;
     const std::pair<const char*, std::string> files[] = {
-        {"a.obj", as_obj(ball)},       {"b.ply", as_ply_text<double>(ball)}, {"c.ply", as_ply_bytes<float>(ball, true)},
-        {"d.stl", as_stl_bytes(ball)}, {"e.stl", as_stl_text(ball)},         {"f.glb", as_glb(ball)}};
+        {"a.obj", to_obj(ball)},       {"b.ply", as_ply_text<double>(ball)}, {"c.ply", as_ply_bytes<float>(ball, true)},
+        {"d.stl", to_stl_bytes(ball)}, {"e.stl", to_stl_text(ball)},         {"f.glb", to_glb(ball)}};
     for (const auto& [name, whole] : files) {
         for (int i = 0; i < lostbits::test::draws(300); ++i) {
             std::string bytes = whole;

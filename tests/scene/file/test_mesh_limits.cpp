@@ -46,9 +46,10 @@ TEST_CASE("a count in a header is checked against the file size before memory is
     CHECK(has(error_of_file("a.ply", header + "property char c\n" + rest), "take at least 4294967295 bytes"));
     CHECK(
         has(error_of_file("a.ply", header + "property list uchar char c\n" + rest), "take at least 4294967295 bytes"));
-    CHECK(has(error_of_file("a.ply", replaced(header + "property char c\n" + rest, "binary_little_endian", "ascii")),
-              "take at least 8589934590 bytes"));
-    std::string stl = as_stl_bytes(scene::triangle::make_icosphere(0, {0, 0, 0}, 1));
+    CHECK(
+        has(error_of_file("a.ply", replace_text(header + "property char c\n" + rest, "binary_little_endian", "ascii")),
+            "take at least 8589934590 bytes"));
+    std::string stl = to_stl_bytes(scene::triangle::make_icosphere(0, {0, 0, 0}, 1));
     stl[83] = '\xff';
     CHECK(has(error_of_file("a.stl", "x" + stl.substr(1)), "it would have 21"));
 }
@@ -62,7 +63,7 @@ std::string small_gltf(const std::string& what = "", const std::string& by = "")
 "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
 "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
 "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": "a.bin"}]})";
-    return what.empty() ? text : replaced(text, what, by);
+    return what.empty() ? text : replace_text(text, what, by);
 }
 std::string small_buffer() {
     std::string bytes;
@@ -81,36 +82,36 @@ TEST_CASE("a glTF file that transforms its mesh or refers to a remote buffer is 
         const auto path = folder.write("a.gltf", json);
         return error_in(folder, [&] { read_mesh_file(path); });
     };
-    CHECK(error_with(as_gltf(ball, buffer), bytes) == "no error");
-    CHECK(error_with(as_gltf(ball, buffer, R"(, "translation": [0, 0, 0])"), bytes) == "no error");
-    CHECK(error_with(as_gltf(ball, buffer, R"(, "name": "ball", "translation": [0, 0, 1e-9])"), bytes) ==
+    CHECK(error_with(to_gltf(ball, buffer), bytes) == "no error");
+    CHECK(error_with(to_gltf(ball, buffer, R"(, "translation": [0, 0, 0])"), bytes) == "no error");
+    CHECK(error_with(to_gltf(ball, buffer, R"(, "name": "ball", "translation": [0, 0, 1e-9])"), bytes) ==
           "a.gltf: nodes[0].translation: moves \"ball\", which would round its vertices; apply transforms before you "
           "export");
-    CHECK(error_with(as_gltf(ball, buffer, R"(, "children": [0])"), bytes) ==
+    CHECK(error_with(to_gltf(ball, buffer, R"(, "children": [0])"), bytes) ==
           "a.gltf: nodes[0].children[0]: names node 0 again; nodes form trees, and each node has one parent");
-    CHECK(error_with(as_gltf(ball, buffer), bytes.substr(0, 100)) ==
+    CHECK(error_with(to_gltf(ball, buffer), bytes.substr(0, 100)) ==
           "a.gltf: buffers[0]: has 100 of its 384 bytes; was it cut short?");
     std::string wrong = bytes;
     wrong[3] = '\x7f';
-    CHECK(error_with(as_gltf(ball, buffer), wrong).starts_with("a.gltf: accessors[0]: face 0 names vertex "));
+    CHECK(error_with(to_gltf(ball, buffer), wrong).starts_with("a.gltf: accessors[0]: face 0 names vertex "));
     wrong = bytes;
     wrong.replace(wrong.size() - 4, 4, "\x00\x00\x80\x7f", 4);
-    CHECK(error_with(as_gltf(ball, buffer), wrong) ==
+    CHECK(error_with(to_gltf(ball, buffer), wrong) ==
           "a.gltf: accessors[1]: vertex 11, at byte 372 of its buffer, is not finite; a vertex has finite numbers");
-    CHECK(error_with(replaced(as_gltf(ball, buffer), "5126", "5120"), bytes) ==
+    CHECK(error_with(replace_text(to_gltf(ball, buffer), "5126", "5120"), bytes) ==
           "a.gltf: accessors[1]: does not hold three floats for each vertex");
-    CHECK(has(error_with(replaced(as_gltf(ball, buffer), "\"byteOffset\": 240", "\"byteOffset\": 300"), bytes),
+    CHECK(has(error_with(replace_text(to_gltf(ball, buffer), "\"byteOffset\": 240", "\"byteOffset\": 300"), bytes),
               "a.gltf: bufferViews[1]: ends beyond its buffer, which has 384 bytes; was it cut short?"));
-    CHECK(has(error_with(replaced(as_gltf(ball, buffer), "\"count\": 12", "\"count\": 13"), bytes),
+    CHECK(has(error_with(replace_text(to_gltf(ball, buffer), "\"count\": 12", "\"count\": 13"), bytes),
               "a.gltf: accessors[1]: has 13 elements, which end beyond its buffer view of 144 bytes"));
     CHECK(error_with("{", bytes).starts_with("a.gltf:1:1: is not JSON: "));
     CHECK(error_with("{\n  \"asset\": ?}", bytes).starts_with("a.gltf:2:12: is not JSON: "));
-    CHECK(error_with(as_gltf(ball, buffer) + '\0' + "x", bytes)
+    CHECK(error_with(to_gltf(ball, buffer) + '\0' + "x", bytes)
               .ends_with("has a zero byte with more text after it; is it a text file?"));
-    CHECK(error_with(as_gltf(ball, buffer) + std::string(3, '\0'), bytes) == "no error");
-    CHECK(error_with(as_gltf(ball, buffer) + "x", bytes).find("is not JSON: ") != std::string::npos);
-    CHECK(error_with(replaced(as_gltf(ball, buffer), "\"asset\"",
-                              R"("extensionsRequired": ["KHR_mesh_quantization", "EXT_x"], "asset")"),
+    CHECK(error_with(to_gltf(ball, buffer) + std::string(3, '\0'), bytes) == "no error");
+    CHECK(error_with(to_gltf(ball, buffer) + "x", bytes).find("is not JSON: ") != std::string::npos);
+    CHECK(error_with(replace_text(to_gltf(ball, buffer), "\"asset\"",
+                                  R"("extensionsRequired": ["KHR_mesh_quantization", "EXT_x"], "asset")"),
                      bytes) ==
           "a.gltf: extensionsRequired: names \"KHR_mesh_quantization\", \"EXT_x\", which are not supported; export the "
           "mesh without them");
@@ -156,7 +157,7 @@ TEST_CASE("a glTF file is read in time and memory proportional to its bytes", "[
         accessors += ", " + accessor;
         many += fmt::format(R"(, {{"attributes": {{"POSITION": {}}}}})", i);
     }
-    CHECK(has(error(replaced(small_gltf(part, many), accessor, accessors)),
+    CHECK(has(error(replace_text(small_gltf(part, many), accessor, accessors)),
               "accessors[12]: makes more vertices than the buffers of the file have bytes"));
     CHECK(
         has(error(small_gltf("\"count\": 3", "\"count\": 18446744073709551615")), "which end beyond its buffer view"));
@@ -198,7 +199,7 @@ TEST_CASE("a glTF file opens files in its own folder only", "[mesh]") {
     CHECK(has(error_with("pipe.png"), "is a pipe or a device"));
 }
 
-TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
+TEST_CASE("every mesh reader stops on request", "[mesh]") {
     using scene::triangle::MeshBytes;
     const Scratch folder;
     const Mesh ball = scene::triangle::make_icosphere(5, {0, 0, 0}, 1);
@@ -206,27 +207,27 @@ TEST_CASE("every mesh reader stops when it is asked to", "[mesh]") {
     folder.write("ball.bin", buffer_of_gltf(ball));
     using Read = triangle::ParsedMesh (*)(MeshBytes&, const triangle::MeshSettings&);
     const std::tuple<const char*, std::string, Read> files[] = {
-        {"a.obj", as_obj(ball), triangle::read_obj},
+        {"a.obj", to_obj(ball), triangle::read_obj},
         {"a.ply", as_ply_text<double>(ball), triangle::read_ply},
         {"b.ply", as_ply_bytes<float>(ball, true), triangle::read_ply},
-        {"a.stl", as_stl_bytes(ball), triangle::read_stl},
-        {"b.stl", as_stl_text(ball), triangle::read_stl},
-        {"a.glb", as_glb(ball), triangle::read_gltf},
-        {"a.gltf", as_gltf(ball, data), triangle::read_gltf}};
+        {"a.stl", to_stl_bytes(ball), triangle::read_stl},
+        {"b.stl", to_stl_text(ball), triangle::read_stl},
+        {"a.glb", to_glb(ball), triangle::read_gltf},
+        {"a.gltf", to_gltf(ball, data), triangle::read_gltf}};
     for (const auto& [name, bytes, read] : files) {
         INFO(name);
-        std::atomic<bool> asked{false};
-        const intersect::process::StopToken stop(asked);
+        std::atomic<bool> stop_requested{false};
+        const intersect::process::StopToken stop(stop_requested);
         const auto path = folder.write(name, bytes);
         MeshBytes opened(path, stop);
-        asked = true;  // after the file is opened, as when the signal comes on the way
+        stop_requested = true;  // after the file is opened, as when the signal comes on the way
         CHECK_THROWS_AS(read(opened, {.stop = stop}), Interrupted);
         CHECK_THROWS_AS(read_mesh_file(path, {.stop = stop}), Interrupted);
     }
-    std::atomic<bool> asked{true};
+    std::atomic<bool> stop_requested{true};
     Mesh mesh = ball;
     CHECK_THROWS_AS(merge_and_count(
-                        mesh, [](std::size_t) { return std::string(); }, intersect::process::StopToken(asked)),
+                        mesh, [](std::size_t) { return std::string(); }, intersect::process::StopToken(stop_requested)),
                     Interrupted);
 }
 

@@ -12,11 +12,11 @@ namespace {
 
 /// The error when one line of the good scene is replaced.
 std::string broken(const std::string& from, const std::string& to) {
-    return scene_error(replaced(good_scene, from, to));
+    return scene_error(replace_text(good_scene, from, to));
 }
 
 std::string pinhole(const std::string& line) {
-    return replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", line);
+    return replace_text(replace_text(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", line);
 }
 
 }  // namespace
@@ -34,9 +34,9 @@ TEST_CASE("a radius must be positive, also in binary32 when inputs are shared") 
     CHECK(broken("radius = 1", "radius = 1e39") ==
           "scene.toml:15:10: sphere[0].radius overflows binary32, to which inputs = \"shared\" rounds; write at most "
           "3.4e38, or inputs = \"own\"");
-    const std::string own = replaced(good_scene, "\"shared\"", "\"own\"");
-    CHECK(loaded(replaced(own, "radius = 1", "radius = 1e-46")).listed[0].sphere().radius > 0);
-    CHECK(loaded(replaced(own, "radius = 1", "radius = 1e39")).listed[0].sphere().radius > 0);
+    const std::string own = replace_text(good_scene, "\"shared\"", "\"own\"");
+    CHECK(load_text(replace_text(own, "radius = 1", "radius = 1e-46")).listed[0].sphere().radius > 0);
+    CHECK(load_text(replace_text(own, "radius = 1", "radius = 1e39")).listed[0].sphere().radius > 0);
 }
 
 TEST_CASE("every other number must be finite, in binary32 too when inputs are shared") {
@@ -112,7 +112,7 @@ TEST_CASE("a triangle must have an area") {
           "scene.toml:16:5: triangle[0].c lies on one line with a and b in binary32, to which inputs = \"shared\" "
           "rounds, so that no ray meets the triangle; move it off the line, or write inputs = \"own\"");
     const Scratch folder;
-    const auto own = folder.write("own.toml", replaced(replaced(good_scene, ball, thin), "shared", "own"));
+    const auto own = folder.write("own.toml", replace_text(replace_text(good_scene, ball, thin), "shared", "own"));
     CHECK(error_of([&] { load_scene(own); }) == "no error");
     const std::string sphere = "[[sphere]]\ncentre = [0, 0, -10]\nradius = 1\n";
     const auto cylinder = [&](const std::string& top) {

@@ -33,7 +33,7 @@ LoadOptions set(const std::string& assignment) {
 }
 
 std::string set_error(const std::string& assignment) {
-    return error_of([&] { loaded(good_scene, set(assignment)); });
+    return error_of([&] { load_text(good_scene, set(assignment)); });
 }
 
 }  // namespace
@@ -42,8 +42,8 @@ TEST_CASE("omitted keys of a scene have their defaults") {
     std::string text = good_scene;
     for (const std::string line :
          {"note = \"nothing\"\n", "inputs = \"shared\"\n", "size = [8, 4]\n", "up = [0, 1, 0]\n"})
-        text = replaced(text, line, "");
-    const Scene s = loaded(text);
+        text = replace_text(text, line, "");
+    const Scene s = load_text(text);
     CHECK(s.note.empty());
     CHECK(s.inputs == InputRounding::shared);
     CHECK(s.width == 256);
@@ -55,14 +55,15 @@ TEST_CASE("omitted keys of a scene have their defaults") {
 }
 
 TEST_CASE("numbers keep their exact decimal value in every notation") {
-    const Scene s = loaded(replaced(good_scene, "centre = [0, 0, -10]", "centre = [0.1, \"0.1\", \"0x1.8p+3\"]"));
+    const Scene s =
+        load_text(replace_text(good_scene, "centre = [0, 0, -10]", "centre = [0.1, \"0.1\", \"0x1.8p+3\"]"));
     CHECK(s.listed[0].sphere().centre.x == real("0.1"));
     CHECK(s.listed[0].sphere().centre.x == s.listed[0].sphere().centre.y);
     CHECK(s.listed[0].sphere().centre.z == 12);
 }
 
 TEST_CASE("a file gives one scene per variant in order, or one scene without variants") {
-    const std::vector<Scene> all = all_loaded(two_variants);
+    const std::vector<Scene> all = load_scenes(two_variants);
     REQUIRE(all.size() == 2);
     CHECK(all[0].id == "scene.small");
     CHECK(all[1].id == "scene.big");
@@ -73,7 +74,7 @@ TEST_CASE("a file gives one scene per variant in order, or one scene without var
 }
 
 TEST_CASE("one variant can be chosen by name") {
-    const std::vector<Scene> one = all_loaded(two_variants, variant("big"));
+    const std::vector<Scene> one = load_scenes(two_variants, variant("big"));
     REQUIRE(one.size() == 1);
     CHECK(one[0].id == "scene.big");
     CHECK(scene_error(two_variants, variant("bog")) == "scene.toml: no variant \"bog\"; did you mean \"big\"?");
@@ -125,16 +126,16 @@ TEST_CASE("a scene is found by path, id or id and variant") {
 }
 
 TEST_CASE("an override changes one number, vector, element or name") {
-    CHECK(loaded(good_scene, set("sphere[0].radius=1e3")).listed[0].sphere().radius == 1000);
-    CHECK(loaded(good_scene, set(" sphere[0].radius = 0x1.8p+1 ")).listed[0].sphere().radius == 3);
-    CHECK(loaded(good_scene, set("sphere[0].radius=\"0.1\"")).listed[0].sphere().radius == real("0.1"));
-    CHECK(loaded(good_scene, set("sphere[0].radius=0.1")).listed[0].sphere().radius == real("0.1"));
-    CHECK(loaded(good_scene, set("sphere[0].centre=[1, 2, -30]")).listed[0].sphere().centre.z == -30);
-    const Scene moved = loaded(good_scene, set("sphere[0].centre[2]=-30"));
+    CHECK(load_text(good_scene, set("sphere[0].radius=1e3")).listed[0].sphere().radius == 1000);
+    CHECK(load_text(good_scene, set(" sphere[0].radius = 0x1.8p+1 ")).listed[0].sphere().radius == 3);
+    CHECK(load_text(good_scene, set("sphere[0].radius=\"0.1\"")).listed[0].sphere().radius == real("0.1"));
+    CHECK(load_text(good_scene, set("sphere[0].radius=0.1")).listed[0].sphere().radius == real("0.1"));
+    CHECK(load_text(good_scene, set("sphere[0].centre=[1, 2, -30]")).listed[0].sphere().centre.z == -30);
+    const Scene moved = load_text(good_scene, set("sphere[0].centre[2]=-30"));
     CHECK(moved.listed[0].sphere().centre.z == -30);
     CHECK(moved.listed[0].sphere().centre.x == 0);
-    CHECK(loaded(good_scene, set("inputs=own")).inputs == InputRounding::own);
-    CHECK(loaded(good_scene, set("title=plain words")).title == "plain words");
+    CHECK(load_text(good_scene, set("inputs=own")).inputs == InputRounding::own);
+    CHECK(load_text(good_scene, set("title=plain words")).title == "plain words");
 }
 
 TEST_CASE("overrides apply in order, after the variant's, and the size last") {
@@ -144,7 +145,7 @@ TEST_CASE("overrides apply in order, after the variant's, and the size last") {
     options.size = {64, 32};
     const std::string text =
         good_scene + "[[variant]]\nname = \"v\"\nset = { \"sphere[0].radius\" = 7, \"camera.width\" = 5 }\n";
-    const Scene result = loaded(text, options);
+    const Scene result = load_text(text, options);
     CHECK(result.listed[0].sphere().radius == 3);
     CHECK(result.camera.width == 5);
     CHECK(result.width == 64);
@@ -206,7 +207,7 @@ TEST_CASE("a malformed override is refused with the right syntax") {
 }
 
 TEST_CASE("primitives of all shapes are numbered in the order of the file") {
-    const std::string scene = replaced(good_scene, good_scene.substr(good_scene.find("[[sphere]]")), "");
+    const std::string scene = replace_text(good_scene, good_scene.substr(good_scene.find("[[sphere]]")), "");
     const std::string text =
         scene + "[[box]]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 1\n" +
         "[[triangle]]\na = [0, 0, 0]\nb = [1, 0, 0]\nc = [0, 1, 0]\n[[sphere]]\ncentre = [0, 0, 0]\nradius = 2\n" +
@@ -217,47 +218,47 @@ TEST_CASE("primitives of all shapes are numbered in the order of the file") {
         return shapes;
     };
     const std::vector written{Shape::box, Shape::sphere, Shape::triangle, Shape::sphere, Shape::box};
-    const Scene s = loaded(text);
+    const Scene s = load_text(text);
     CHECK(shapes_of(s) == written);
     CHECK(s.listed[1].sphere().radius == 1);
     CHECK(s.listed[3].sphere().radius == 2);
     // Paths count within a kind, and a changed number does not move its primitive.
-    const Scene changed = loaded(text, set("sphere[1].radius=7"));
+    const Scene changed = load_text(text, set("sphere[1].radius=7"));
     CHECK(shapes_of(changed) == written);
     CHECK(changed.listed[3].sphere().radius == 7);
     // Primitives that are written again keep their index; those of a new kind come last.
-    CHECK(shapes_of(loaded(text, set("sphere=[{centre=[0,0,0],radius=3}]"))) ==
+    CHECK(shapes_of(load_text(text, set("sphere=[{centre=[0,0,0],radius=3}]"))) ==
           std::vector{Shape::box, Shape::sphere, Shape::triangle, Shape::box});
-    CHECK(shapes_of(loaded(text, set("plane=[{through=[0,0,0],normal=[0,0,1]}]"))).back() == Shape::plane);
+    CHECK(shapes_of(load_text(text, set("plane=[{through=[0,0,0],normal=[0,0,1]}]"))).back() == Shape::plane);
 }
 
 TEST_CASE("plain tables in a variant's set extend the path") {
     const std::string text =
         good_scene + "[[variant]]\nname = \"v\"\nset = { camera.width = 7, \"sphere[0]\".radius = 2 }\n";
-    CHECK(loaded(text).camera.width == 7);
-    CHECK(loaded(text).listed[0].sphere().radius == 2);
+    CHECK(load_text(text).camera.width == 7);
+    CHECK(load_text(text).listed[0].sphere().radius == 2);
 }
 
 TEST_CASE("a variant's overrides apply in the order of writing") {
     const std::string wide_last =
         good_scene +
         "[[variant]]\nname = \"v\"\nset = { \"sphere[0].centre[0]\" = 9, \"sphere[0].centre\" = [1, 1, 1] }\n";
-    CHECK(loaded(wide_last).listed[0].sphere().centre.x == 1);
+    CHECK(load_text(wide_last).listed[0].sphere().centre.x == 1);
     const std::string narrow_last =
         good_scene +
         "[[variant]]\nname = \"v\"\nset = { \"sphere[0].centre\" = [1, 1, 1], \"sphere[0].centre[0]\" = 9 }\n";
-    CHECK(loaded(narrow_last).listed[0].sphere().centre.x == 9);
+    CHECK(load_text(narrow_last).listed[0].sphere().centre.x == 9);
 }
 
 TEST_CASE("a range can be given to the rays of any scene") {
-    CHECK(loaded(good_scene).range.is_whole());
+    CHECK(load_text(good_scene).range.is_whole());
     LoadOptions options;
     options.overrides.push_back(parse_override("rays.tmin=4.5"));
-    const auto scene = loaded(good_scene, options);
+    const auto scene = load_text(good_scene, options);
     CHECK(scene.range.tmin == 4.5);
     CHECK(std::isinf(scene.range.tmax));
     options.overrides.push_back(parse_override("rays.tmim=4.5"));
-    CHECK(has(error_of([&] { loaded(good_scene, options); }), "did you mean \"tmin\""));
+    CHECK(has(error_of([&] { load_text(good_scene, options); }), "did you mean \"tmin\""));
 }
 
 }  // namespace test_scene_file

@@ -31,7 +31,7 @@ struct Columns {
 };
 
 template <class Text>
-std::string as_csv(const Columns& columns, const Text& text) {
+std::string to_csv(const Columns& columns, const Text& text) {
     std::ostringstream out;
     out << columns.joined_names() << '\n';
     for (std::size_t i = 0; i < columns.rows(); ++i) {
@@ -64,7 +64,7 @@ std::string as_bytes(const Columns& columns, bool big_endian = false, ArrayOrder
 }
 
 /// An array of numpy, version 1, with this dictionary in front of the numbers.
-inline std::string as_npy(const std::string& dictionary, const std::string& numbers) {
+inline std::string to_npy(const std::string& dictionary, const std::string& numbers) {
     std::string header = dictionary;
     while ((10 + header.size() + 1) % 64 != 0) header += ' ';
     header += '\n';
@@ -74,9 +74,9 @@ inline std::string as_npy(const std::string& dictionary, const std::string& numb
 }
 
 template <class F>
-std::string as_npy(const Columns& columns, bool big_endian = false, ArrayOrder order = ArrayOrder::rows) {
+std::string to_npy(const Columns& columns, bool big_endian = false, ArrayOrder order = ArrayOrder::rows) {
     const std::string type = std::string(big_endian ? ">" : "<") + (sizeof(F) == 4 ? "f4" : "f8");
-    return as_npy("{'descr': '" + type + "', 'fortran_order': " + (order == ArrayOrder::rows ? "False" : "True") +
+    return to_npy("{'descr': '" + type + "', 'fortran_order': " + (order == ArrayOrder::rows ? "False" : "True") +
                       ", 'shape': (" + std::to_string(columns.rows()) + ", " + std::to_string(columns.names.size()) +
                       "), }",
                   as_bytes<F>(columns, big_endian, order));

@@ -25,7 +25,7 @@ struct BadFile {
 std::string padded_npy(const std::string& type) {
     std::string fields;
     for (const char* name : {"ox", "oy", "oz", "dx", "dy", "dz"}) fields += fmt::format("('{}', '<f4'), ", name);
-    return as_npy("{'descr': [" + fields + "('', '" + type + "')], 'fortran_order': False, 'shape': (1,), }",
+    return to_npy("{'descr': [" + fields + "('', '" + type + "')], 'fortran_order': False, 'shape': (1,), }",
                   std::string(24, 'a'));
 }
 
@@ -133,31 +133,31 @@ const BadFile bad_files[] = {
      {.columns = "ox:f32,oy,oz,dx,dy,dz", .primitive = Shape::sphere}},
     {"a.npy", "no array at all", "a.npy: is not an array", "numpy.save"},
     {"a.npy", "\x93NUMPY\x01", "a.npy: ends inside its header", "cut short"},
-    {"a.npy", as_npy("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 6), }", ""), "a.npy: is of type \"<c8\"",
+    {"a.npy", to_npy("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 6), }", ""), "a.npy: is of type \"<c8\"",
      "astype"},
-    {"a.npy", as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", ""),
+    {"a.npy", to_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", ""),
      "a.npy: has 6 columns without names", "--columns"},
     {"a.npy",
-     as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 6), }", std::string(24, 'a')),
+     to_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 6), }", std::string(24, 'a')),
      "a.npy: record 1: has 0 of 24",
      "the header promises 2 records",
      {.columns = "ox,oy,oz,dx,dy,dz", .primitive = Shape::sphere}},
     {"a.npy",
-     as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(25, 'a')),
+     to_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(25, 'a')),
      "a.npy: byte",
      "the header promises 1 record, but 1 more byte follows",
      {.columns = "ox,oy,oz,dx,dy,dz", .primitive = Shape::sphere}},
     {"a.npy",
-     as_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(24, 'a')),
+     to_npy("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 6), }", std::string(24, 'a')),
      "a.npy: has 6 columns, but --columns names 2",
      "_ for",
      {.columns = "ox,oy"}},
     {"a.npy",
-     as_npy("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 6), }", std::string(24, 'a')),
+     to_npy("{'descr': '<f4', 'fortran_order': True, 'shape': (2, 6), }", std::string(24, 'a')),
      "a.npy: has 24 bytes of numbers, but its header promises 2",
      "cut short",
      {.columns = "ox,oy,oz,dx,dy,dz", .primitive = Shape::sphere}},
-    {"a.npy", as_npy("{'descr': '<f4', 'shape': (1, 6), }", ""), "a.npy: byte", "missing"},
+    {"a.npy", to_npy("{'descr': '<f4', 'shape': (1, 6), }", ""), "a.npy: byte", "missing"},
     // Sizes that leave 64 bits: the offsets of the columns would lie beyond the record.
     {"a.npy", padded_npy("|V18446744073709551596"), "a.npy: its records have more than 1048576 bytes", "only"},
     {"a.npy", padded_npy("|V4294967296', (4294967296, 1)), ('y', '|V4"), "a.npy: its records have more", "only"},

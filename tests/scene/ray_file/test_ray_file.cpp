@@ -82,21 +82,21 @@ TEST_CASE("every file format of rays gives the same rays") {
         return std::string(text);
     };
     const auto f32 = find_format("f32");
-    require_reads("a.csv", as_csv(columns, hex), {}, columns, "f64");
-    require_reads("a.csv", as_csv(columns, hex), {.format = f32}, columns, "f32");
-    require_reads("a.csv", as_csv(columns, shortest), {.format = f32}, columns, "f32");
-    require_reads("a.csv", as_csv(columns, nine), {.format = f32}, columns, "f32");
-    require_reads("a.txt", as_csv(columns, hex), {.container = Container::csv}, columns, "f64");
-    std::string crlf = as_csv(columns, hex);
+    require_reads("a.csv", to_csv(columns, hex), {}, columns, "f64");
+    require_reads("a.csv", to_csv(columns, hex), {.format = f32}, columns, "f32");
+    require_reads("a.csv", to_csv(columns, shortest), {.format = f32}, columns, "f32");
+    require_reads("a.csv", to_csv(columns, nine), {.format = f32}, columns, "f32");
+    require_reads("a.txt", to_csv(columns, hex), {.container = Container::csv}, columns, "f64");
+    std::string crlf = to_csv(columns, hex);
     for (std::size_t at = 0; (at = crlf.find('\n', at)) != std::string::npos; at += 3) crlf.replace(at, 1, "\r\n\n");
     require_reads("a.csv", "\xEF\xBB\xBF" + crlf, {}, columns, "f64");
-    const std::string bare = as_csv(columns, hex).substr(names.size() + 1);
+    const std::string bare = to_csv(columns, hex).substr(names.size() + 1);
     require_reads("a.csv", bare, {.columns = names}, columns, "f64");
     for (const bool big : {false, true}) {
         const std::string be = big ? "be" : "";
         for (const ArrayOrder order : {ArrayOrder::rows, ArrayOrder::columns}) {
-            require_reads("a.npy", as_npy<float>(columns, big, order), {.columns = names}, columns, "f32");
-            require_reads("a.npy", as_npy<double>(columns, big, order), {.columns = names}, columns, "f64");
+            require_reads("a.npy", to_npy<float>(columns, big, order), {.columns = names}, columns, "f32");
+            require_reads("a.npy", to_npy<double>(columns, big, order), {.columns = names}, columns, "f64");
         }
         require_reads("a.bin", as_bytes<float>(columns, big), {.columns = columns.joined_names(":f32" + be)}, columns,
                       "f32");
@@ -120,7 +120,7 @@ TEST_CASE("fields of an array keep their types, and fields of three numbers are 
     const std::string fields =
         "[('o', '>f8', (3,)), ('direction', '<f4', 3), ('id', '<i4'), ('sphere', '<f4', (4,)), ('hit', '|b1'), ('t', "
         "'<f4')]";
-    const std::string npy = as_npy("{'descr': " + fields + ", 'fortran_order': False, 'shape': (10, 10), }", bytes);
+    const std::string npy = to_npy("{'descr': " + fields + ", 'fortran_order': False, 'shape': (10, 10), }", bytes);
     require_reads("a.npy", npy, {}, columns, "f32");
     const ScratchRayFile file("a.npy", npy);
     const auto ray_file = open_ray_file(file.path(), {.keeps_own_columns = true});

@@ -46,7 +46,7 @@ void for_each_ray(const scene::box::BoxDistribution& distribution, Check check) 
     for (const RayGroup& group : distribution.draw()) {
         for (std::size_t i = 0; i < group.rays.size(); ++i, ++seen) check(group.rays[i], group.primitives);
     }
-    CHECK(seen == distribution.views * distribution.rays);
+    CHECK(seen == distribution.view_count * distribution.ray_count);
 }
 
 TriangleDistribution distribution_of(const std::string& text) {
@@ -77,8 +77,8 @@ std::uint64_t digest(SphereDistribution::Projection projection, SphereDistributi
     f.directions = directions;
     f.weighting = weighting;
     f.tilt = directions == SphereDistribution::ViewDirections::tilted ? 0.25 : 0;
-    f.views = 64;
-    f.rays = 3;
+    f.view_count = 64;
+    f.ray_count = 3;
     return digest(f.draw());
 }
 
@@ -86,8 +86,8 @@ std::uint64_t digest(scene::box::BoxDistribution::Aim aim, double gap) {
     scene::box::BoxDistribution f;
     f.aim = aim;
     f.gap = gap;
-    f.views = 64;
-    f.rays = 3;
+    f.view_count = 64;
+    f.ray_count = 3;
     return digest(f.draw());
 }
 
@@ -229,7 +229,7 @@ TEST_CASE("targets of rays lie on the surface, and lines at silhouettes touch it
     CHECK(seen.size() == 15);
 }
 
-TEST_CASE("ray distributions of shapes with several targets read the target that is asked for") {
+TEST_CASE("ray distributions of shapes with several targets read the requested target") {
     const scene::test::Scratch folder;
     const auto drawn = [&folder](const scene::sweep::DistributionRow& row, std::string_view aim) {
         const auto path = folder.write("f.toml", "views = 3\naim = \"" + std::string(aim) + "\"\n");

@@ -47,7 +47,7 @@ bool is_clean_axis(const Vec<double>& v) {
 }  // namespace
 
 TEST_CASE("an axis-aligned orthographic camera is exact") {
-    const Scene s = loaded(good_scene);  // 8 × 4 pixels, 2.5 wide
+    const Scene s = load_text(good_scene);  // 8 × 4 pixels, 2.5 wide
     const CameraFrame<double> frame = make_frame<double>(s);
     CHECK(equal(frame.forward, 0, 0, -1));
     CHECK(equal(frame.right, 1, 0, 0));
@@ -69,9 +69,9 @@ TEST_CASE("views along all six axes give exact frames without negative zeros") {
         for (int up = 0; up < 6; ++up) {
             if (view / 2 == up / 2) continue;
             const std::string text =
-                replaced(replaced(good_scene, "look_at = [0, 0, -1]", std::string("look_at = ") + axes[view]),
-                         "up = [0, 1, 0]", std::string("up = ") + axes[up]);
-            const CameraFrame<double> frame = make_frame<double>(loaded(text));
+                replace_text(replace_text(good_scene, "look_at = [0, 0, -1]", std::string("look_at = ") + axes[view]),
+                             "up = [0, 1, 0]", std::string("up = ") + axes[up]);
+            const CameraFrame<double> frame = make_frame<double>(load_text(text));
             CAPTURE(axes[view], axes[up]);
             CHECK(is_clean_axis(frame.forward));
             CHECK(is_clean_axis(frame.right));
@@ -84,7 +84,8 @@ TEST_CASE("views along all six axes give exact frames without negative zeros") {
 
 TEST_CASE("double and ideal rays agree to 1e-15") {
     for (const std::string normalise : {"true", "false"}) {
-        const Scene s = loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = " + normalise));
+        const Scene s =
+            load_text(replace_text(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = " + normalise));
         const auto rough = make_frame<double>(s);
         const auto ideal = make_frame<Real>(s);
         for (int y = 0; y < s.height; ++y) {
@@ -101,8 +102,8 @@ TEST_CASE("double and ideal rays agree to 1e-15") {
 }
 
 TEST_CASE("directions of a pinhole camera have unit length only if they are normalised") {
-    const Scene unit = loaded(oblique_pinhole);
-    const Scene raw = loaded(replaced(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = false"));
+    const Scene unit = load_text(oblique_pinhole);
+    const Scene raw = load_text(replace_text(oblique_pinhole, "fov_deg = 50", "fov_deg = 50\nnormalise = false"));
     const Ray<double> a = ray(make_frame<double>(unit), 1, 1);
     const Ray<double> b = ray(make_frame<double>(raw), 1, 1);
     CHECK(std::fabs(length(a.direction) - 1) < 1e-15);
@@ -113,10 +114,10 @@ TEST_CASE("directions of a pinhole camera have unit length only if they are norm
 
 TEST_CASE("the vertical field of view runs from the top edge to the bottom edge") {
     // One pixel high: the middle of the rows ±1/2 is a corner ray, seen by asking for rows beyond the picture.
-    const std::string text =
-        replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 90");
-    const CameraFrame<double> frame = make_frame<double>(loaded(text));  // 4 rows: edges at ±2 pixels
-    CHECK(frame.pitch == 0.5);                                           // 2 tan 45° / 4, correctly rounded
+    const std::string text = replace_text(replace_text(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""),
+                                          "width = 2.5", "fov_deg = 90");
+    const CameraFrame<double> frame = make_frame<double>(load_text(text));  // 4 rows: edges at ±2 pixels
+    CHECK(frame.pitch == 0.5);                                              // 2 tan 45° / 4, correctly rounded
     const Ray<double> inner = ray(frame, 4, 0);
     CHECK(inner.direction.y / -inner.direction.z == Approx(0.75).epsilon(1e-15));
     CHECK(inner.direction.x / -inner.direction.z == Approx(0.25).epsilon(1e-15));  // pixels are square
@@ -124,9 +125,9 @@ TEST_CASE("the vertical field of view runs from the top edge to the bottom edge"
 }
 
 TEST_CASE("a shift moves the window right and up, in picture widths, and does not turn it") {
-    const std::string shifted = replaced(good_scene, "width = 2.5", "width = 2.5\nshift = [0.5, 0.25]");
-    const Ray<double> before = ray(make_frame<double>(loaded(good_scene)), 3, 2);
-    const Ray<double> after = ray(make_frame<double>(loaded(shifted)), 3, 2);
+    const std::string shifted = replace_text(good_scene, "width = 2.5", "width = 2.5\nshift = [0.5, 0.25]");
+    const Ray<double> before = ray(make_frame<double>(load_text(good_scene)), 3, 2);
+    const Ray<double> after = ray(make_frame<double>(load_text(shifted)), 3, 2);
     CHECK(after.origin.x == before.origin.x + 1.25);
     CHECK(after.origin.y == before.origin.y + 0.625);
     CHECK(after.origin.z == before.origin.z);

@@ -21,9 +21,10 @@ using namespace lostbits::scene::test;
 
 namespace {
 
-const std::string pinhole_scene = replaced(
-    replaced(replaced(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5", "fov_deg = 40"),
-    "eye = [0, 0, 0]", "eye = [0.1, 0.2, 0.3]");
+const std::string pinhole_scene =
+    replace_text(replace_text(replace_text(good_scene, "kind = \"orthographic\"", "kind = \"pinhole\""), "width = 2.5",
+                              "fov_deg = 40"),
+                 "eye = [0, 0, 0]", "eye = [0.1, 0.2, 0.3]");
 
 bool same(const RayBlock& a, const RayBlock& b) {
     return a.ox == b.ox && a.oy == b.oy && a.oz == b.oz && a.dx == b.dx && a.dy == b.dy && a.dz == b.dz;
@@ -37,11 +38,11 @@ bool all_binary32(const std::vector<double>& v) {
 
 /// Two spheres and a flake of ninety-one.
 file::Scene flake_scene(const std::string& inputs) {
-    const std::string text = replaced(
+    const std::string text = replace_text(
         good_scene, "[[sphere]]",
         "[sphereflake]\nlevels = 2\nradius = 0.7\ncentre = [0.1, 0.2, 0.3]\n[[sphere]]\ncentre = [0.1, -7, 0]\n"
         "radius = 3.3\n[[sphere]]");
-    file::Scene scene = loaded(text);
+    file::Scene scene = load_text(text);
     if (inputs == "own") scene.inputs = file::InputRounding::own;
     return scene;
 }
@@ -72,7 +73,7 @@ Primitive<double> ball(double x, double radius) { return Sphere<double>{{x, 0, 0
 }  // namespace
 
 TEST_CASE("shared rays are the camera's doubles rounded once to binary32") {
-    const Scene s = loaded(pinhole_scene);
+    const Scene s = load_text(pinhole_scene);
     const RayBlock block = make_shared_rays(s, 0, s.height);
     REQUIRE(block.size() == 32);
     CHECK(block.width == 8);
@@ -93,7 +94,7 @@ TEST_CASE("shared rays are the camera's doubles rounded once to binary32") {
 }
 
 TEST_CASE("a band of rows has the rays of that part of the picture") {
-    const Scene s = loaded(pinhole_scene);
+    const Scene s = load_text(pinhole_scene);
     const RayBlock whole = make_shared_rays(s, 0, 4);
     const RayBlock band = make_shared_rays(s, 1, 3);
     REQUIRE(band.size() == 16);
@@ -108,7 +109,7 @@ TEST_CASE("a band of rows has the rays of that part of the picture") {
 }
 
 TEST_CASE("own inputs are the ideal rays rounded once to each format") {
-    const Scene s = loaded(pinhole_scene);
+    const Scene s = load_text(pinhole_scene);
     const IdealRayBlock ideal = make_own_rays(s, 0, 4);
     const RayBlock single = round_rays(ideal, binary32);
     const RayBlock half = round_rays(ideal, binary16);
@@ -124,8 +125,8 @@ TEST_CASE("own inputs are the ideal rays rounded once to each format") {
 }
 
 TEST_CASE("input rays follow the scene's inputs and the format") {
-    const Scene shared = loaded(pinhole_scene);
-    const Scene own = loaded(replaced(pinhole_scene, "\"shared\"", "\"own\""));
+    const Scene shared = load_text(pinhole_scene);
+    const Scene own = load_text(replace_text(pinhole_scene, "\"shared\"", "\"own\""));
     const RayBlock stored = make_shared_rays(shared, 0, 4);
     CHECK(same(make_input_rays(shared, 0, 4, binary32), stored));
     CHECK(same(make_input_rays(shared, 0, 4, binary64), stored));
@@ -224,23 +225,23 @@ TEST_CASE("a coordinate is lost when it becomes infinite, and a box when it has 
 
 TEST_CASE("the lengths of a scene are listed by their --set paths: primitives and eye") {
     const auto of = [](const std::string& text, const char* format) {
-        return find_unrepresentable_lengths(loaded(text), shape_of(format));
+        return find_unrepresentable_lengths(load_text(text), shape_of(format));
     };
-    const std::string tiny = replaced(good_scene, "radius = 1", "radius = 1e-9");
+    const std::string tiny = replace_text(good_scene, "radius = 1", "radius = 1e-9");
     REQUIRE(tiny != good_scene);
     CHECK(of(good_scene, "fp16").empty());
     CHECK(of(tiny, "fp16") == Lines{"radius = 1e-09 rounds to 0 (sphere[0])"});
     CHECK(of(tiny, "f32").empty());
     CHECK(of(tiny, "f64").empty());
-    CHECK(of(replaced(good_scene, "eye = [0, 0, 0]", "eye = [0, 1e6, 0]"), "fp16") ==
+    CHECK(of(replace_text(good_scene, "eye = [0, 0, 0]", "eye = [0, 1e6, 0]"), "fp16") ==
           Lines{"a coordinate of the eye = 1e+06 rounds to infinity (camera)"});
     // Own inputs are rounded to each format from the numbers of the file, without binary32 in between.
-    const std::string own = replaced(tiny, "inputs = \"shared\"", "inputs = \"own\"");
+    const std::string own = replace_text(tiny, "inputs = \"shared\"", "inputs = \"own\"");
     CHECK(of(own, "fp16") == Lines{"radius = 1e-09 rounds to 0 (sphere[0])"});
-    const std::string beyond = replaced(own, "radius = 1e-9", "radius = \"1e-60\"");
+    const std::string beyond = replace_text(own, "radius = 1e-9", "radius = \"1e-60\"");
     CHECK(of(beyond, "f32") == Lines{"radius = 1e-60 rounds to 0 (sphere[0])"});
     CHECK(of(beyond, "f64").empty());
-    CHECK(of(replaced(own, "radius = 1e-9", "radius = \"1e-400\""), "f64") ==
+    CHECK(of(replace_text(own, "radius = 1e-9", "radius = \"1e-400\""), "f64") ==
           Lines{"radius less than 5e-324 rounds to 0 (sphere[0])"});
 }
 

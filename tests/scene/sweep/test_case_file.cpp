@@ -34,7 +34,7 @@ rays = [{ origin = [0, 0, "nan"], direction = [0, 0, "-inf"] }, { origin = [1, 0
 CaseFile loaded_cases(const std::string& text) { return read_as<CaseFile>("c.toml", text); }
 std::string case_error(const std::string& text) { return error_as<CaseFile>("c.toml", text); }
 std::string broken(const std::string& from, const std::string& to) {
-    return case_error(replaced(good_cases, from, to));
+    return case_error(replace_text(good_cases, from, to));
 }
 
 using Numbers = std::array<double, 10>;
@@ -80,19 +80,19 @@ TEST_CASE("each format rounds a case itself, and a scale multiplies lengths but 
         CHECK(group.rays.dx[1] == std::ldexp(1, format.emin - format.precision + 1));
     }
     const auto turned =
-        loaded_cases(replaced(good_cases, "lengths = 1", "directions = \"emax/2\"")).rays(1, binary32).at(0);
+        loaded_cases(replace_text(good_cases, "lengths = 1", "directions = \"emax/2\"")).rays(1, binary32).at(0);
     CHECK(turned.primitives[0].sphere().radius == 4);
-    const auto scaled =
-        loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nlengths = \"emax/4\"\ndirections = -3"))
-            .rays(0, binary32)
-            .at(0);
+    const auto scaled = loaded_cases(replace_text(good_cases, "name = \"one\"",
+                                                  "name = \"one\"\nlengths = \"emax/4\"\ndirections = -3"))
+                            .rays(0, binary32)
+                            .at(0);
     CHECK(numbers_of(scaled) ==
           Numbers{5 * 0x1p31, 6 * 0x1p31, 7 * 0x1p31, 1, 1.125, 1.25, 0x1p31, 0x1p32, 3 * 0x1p31, 0x1p33});
 }
 
 TEST_CASE("a symmetric case is run under 48 symmetries of ray and primitive") {
     const auto groups =
-        loaded_cases(replaced(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
+        loaded_cases(replace_text(good_cases, "name = \"one\"", "name = \"one\"\nsymmetric = true")).rays(0, binary32);
     REQUIRE(groups.size() == 48);
     std::set<Numbers> images;
     for (const RayGroup& group : groups) {
@@ -139,12 +139,12 @@ rays = [{ origin = [0, 0, 0], direction = [1.5, 1, 4] }]
         CHECK((b.hi.x - b.lo.x) * (b.hi.y - b.lo.y) * (b.hi.z - b.lo.z) == 1 * 7 * 6);
     }
     CHECK(images.size() == 48);
-    const std::string mixed = replaced(boxes, "rays =", "spheres = [{ centre = [7, 0, 0], radius = 1 }]\nrays =");
+    const std::string mixed = replace_text(boxes, "rays =", "spheres = [{ centre = [7, 0, 0], radius = 1 }]\nrays =");
     const CaseFile several = loaded_cases(mixed);
     CHECK(several.shapes() == std::vector{Shape::sphere, Shape::box});
     CHECK(several.rays(0, binary32)[0].primitives.size() == 2);
     CHECK_FALSE(several.accepts(Shape::box));
-    const auto ended = loaded_cases(replaced(mixed, "direction =", "tmax = 4, direction ="));
+    const auto ended = loaded_cases(replace_text(mixed, "direction =", "tmax = 4, direction ="));
     CHECK(ended.rays(0, binary32)[0].rays.tmax == std::vector{4.0});
 }
 

@@ -34,14 +34,14 @@ centre = [0, 0, 0]
 radius = 1
 )";
 
-const std::string good_box = replaced(
-    replaced(good_sweep, "[sphere]\ncentre = [0, 0, 0]\nradius = 1\n", "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n"),
-    "direction = [0, -0.0, -1]\n", "direction = [0, -0.0, -1]\ntmax = 9\n");
+const std::string good_box = replace_text(replace_text(good_sweep, "[sphere]\ncentre = [0, 0, 0]\nradius = 1\n",
+                                                       "[box]\nlo = [-1, -1, -1]\nhi = [1, 1, 1]\n"),
+                                          "direction = [0, -0.0, -1]\n", "direction = [0, -0.0, -1]\ntmax = 9\n");
 
 ExhaustiveFile swept(const std::string& text) { return read_as<ExhaustiveFile>("s.toml", text, LOSTBITS_DATA_DIR); }
 
 std::string error(const std::string& what, const std::string& by, const std::string& in = good_sweep) {
-    return error_as<ExhaustiveFile>("s.toml", replaced(in, what, by), LOSTBITS_DATA_DIR);
+    return error_as<ExhaustiveFile>("s.toml", replace_text(in, what, by), LOSTBITS_DATA_DIR);
 }
 
 }  // namespace
@@ -61,11 +61,11 @@ TEST_CASE("a sweep over every float between two sets its ray and primitive to ea
     CHECK(group.primitives.front().numbers[3] == 1);
     const ExhaustiveFile box = swept(good_box);
     CHECK(box.group_at(0, 1).rays.tmax == std::vector<double>{9});
-    CHECK(swept(replaced(good_sweep, "[axis]", "[[axis]]")).ranges() == sweep.ranges());
+    CHECK(swept(replace_text(good_sweep, "[axis]", "[[axis]]")).ranges() == sweep.ranges());
 }
 
 TEST_CASE("all = true visits every bit pattern, from each zero outwards") {
-    const ExhaustiveFile sweep = swept(replaced(good_sweep, "from = 1\nto = \"0x1.8p+1\"", "all = true"));
+    const ExhaustiveFile sweep = swept(replace_text(good_sweep, "from = 1\nto = \"0x1.8p+1\"", "all = true"));
     CHECK(sweep.float_count() == std::uint64_t{1} << 32);
     REQUIRE(sweep.ranges().size() == 2);
     CHECK(float_at(sweep.ranges()[0].first) == 0);
@@ -74,14 +74,14 @@ TEST_CASE("all = true visits every bit pattern, from each zero outwards") {
 }
 
 TEST_CASE("a sweep moves several numbers together, a range may fall, and -0 differs from 0") {
-    const ExhaustiveFile both =
-        swept(replaced(good_sweep, "\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.direction.x\", \"sphere.radius\"]"));
+    const ExhaustiveFile both = swept(
+        replace_text(good_sweep, "\"ray.origin.z\"", "[\"ray.origin.z\", \"ray.direction.x\", \"sphere.radius\"]"));
     CHECK(both.ray_indices == std::vector<std::size_t>{2, 3});
     CHECK(both.primitive_indices == std::vector<std::size_t>{3});
     CHECK(both.primitive_at(3).numbers[3] == 3);
     CHECK(both.ray_at(0, 3).direction.x == 3);
     const ExhaustiveFile falls =
-        swept(replaced(replaced(good_sweep, "from = 1", "from = 1.5"), "\"0x1.8p+1\"", "-0.0"));
+        swept(replace_text(replace_text(good_sweep, "from = 1", "from = 1.5"), "\"0x1.8p+1\"", "-0.0"));
     REQUIRE(falls.ranges().front().falls());
     CHECK(falls.ranges().front().last == index_of(-0.0F));
 }
@@ -126,7 +126,7 @@ TEST_CASE("errors in a sweep over every float are reported with their line and a
                     "[[ray]]\nname = \"a\""),
               "also the name of another ray"));
     CHECK(has(error("[sphere]", "[box]\nlo = [0, 0, 0]\nhi = [1, 1, 1]\n[sphere]"), "one primitive"));
-    CHECK(has(error("[[ray]]", "[[axis]]\n[[ray]]", replaced(good_sweep, "[axis]", "[[axis]]")),
+    CHECK(has(error("[[ray]]", "[[axis]]\n[[ray]]", replace_text(good_sweep, "[axis]", "[[axis]]")),
               "s.toml:4:1: axis must be one [[axis]] table"));
     // Invalid primitives: those of the file, and those that the axis makes invalid.
     CHECK(has(error("radius = 1", "radius = 0"), "s.toml:17:10: sphere.radius is not greater than 0"));

@@ -26,7 +26,7 @@ impact_radii = [0, 0.5]
 
 SearchFile loaded_search(const std::string& text) { return read_as<SearchFile>("s.toml", text); }
 std::string broken(const std::string& from, const std::string& to) {
-    return error_as<SearchFile>("s.toml", replaced(good_search, from, to));
+    return error_as<SearchFile>("s.toml", replace_text(good_search, from, to));
 }
 
 }  // namespace
@@ -42,10 +42,10 @@ TEST_CASE("a search has a range for every number of ray and primitive") {
     CHECK(s.ranges[9].low == 0.5);
     CHECK(s.metric == "lost_bits");
     CHECK(s.seed == 1);
-    const SearchFile box = loaded_search(
-        replaced(replaced(replaced(replaced(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"),
-                          "distance_radii = [2, 5]\n", ""),
-                 "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
+    const SearchFile box = loaded_search(replace_text(
+        replace_text(replace_text(replace_text(good_search, "centre", "lo"), "radius = [0.5, 2]", "hi = [1, 3]"),
+                     "distance_radii = [2, 5]\n", ""),
+        "impact_radii = [0, 0.5]\n", "metric = \"ulp_error\"\nseed = 7\nstarts = 3\ngenerations = 5\n"));
     CHECK(box.shape == Shape::box);
     REQUIRE(box.ranges.size() == 12);
     CHECK(box.ranges[11].high == 3);
@@ -63,9 +63,9 @@ TEST_CASE("a search can draw free significands, draw rays at edges, and minimise
     const SearchFile plain = loaded_search(good_search);
     CHECK_FALSE((plain.exponents.has_value() || plain.at_edge || plain.is_minimised || plain.hits_only));
     const SearchFile free =
-        loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "exponents = [-20, 3]\nsmallest = true"));
+        loaded_search(replace_text(good_search, "impact_radii = [0, 0.5]", "exponents = [-20, 3]\nsmallest = true"));
     CHECK((free.is_minimised && free.hits_only));
-    CHECK(loaded_search(replaced(good_search, "impact_radii = [0, 0.5]", "hits_only = true")).hits_only);
+    CHECK(loaded_search(replace_text(good_search, "impact_radii = [0, 0.5]", "hits_only = true")).hits_only);
     REQUIRE(free.exponents);
     CHECK((free.exponents->low == -20 && free.exponents->high == 3));
     CHECK(broken("impact_radii = [0, 0.5]", "exponents = [-20, 0.5]")
@@ -90,12 +90,12 @@ aim = "rim"
     const SearchFile rim = loaded_search(of_cylinder);
     REQUIRE(rim.aim);
     CHECK((rim.distance.low == 0x1p-10 && rim.distance.high == 0x1p20));
-    const SearchFile axis = loaded_search(replaced(of_cylinder, "\"rim\"", "\"axis\"\ndistance = [1, 2]"));
+    const SearchFile axis = loaded_search(replace_text(of_cylinder, "\"rim\"", "\"axis\"\ndistance = [1, 2]"));
     REQUIRE(axis.aim);
     CHECK(*axis.aim != *rim.aim);
     CHECK((axis.distance.low == 1 && axis.distance.high == 2));
     const auto wrong = [&](const std::string& from, const std::string& to) {
-        return error_as<SearchFile>("s.toml", replaced(of_cylinder, from, to));
+        return error_as<SearchFile>("s.toml", replace_text(of_cylinder, from, to));
     };
     CHECK(has(wrong("\"rim\"", "\"rime\""), "did you mean \"rim\""));
     CHECK(has(wrong("\"rim\"", "\"rim\"\ndistance = [0, 1]"), "s.toml:11:12: search.distance must lie above 0"));
@@ -202,7 +202,7 @@ TEST_CASE("a sweep redrawn has other rays at the same positions, and one over a 
                    second = file.with_seed_offset(2).rays({3}),
                    twice = file.with_seed_offset(1).with_seed_offset(1).rays({3});
         const auto nine =
-            read_as<SweepFile>("s.toml", replaced(text, "seed = 7", "seed = 9"), LOSTBITS_DATA_DIR).rays({3});
+            read_as<SweepFile>("s.toml", replace_text(text, "seed = 7", "seed = 9"), LOSTBITS_DATA_DIR).rays({3});
         REQUIRE(own.size() == 3);
         for (std::size_t v = 0; v < own.size(); ++v) {
             CHECK(same(own[v], none[v]));

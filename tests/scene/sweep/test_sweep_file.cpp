@@ -45,8 +45,8 @@ TEST_CASE("steps over every float have distinct values, and both zeros are one")
 
 TEST_CASE("an axis of powers of two must begin and end above 0") {
     for (const char* from : {"0", "-1"}) {
-        std::string axis = replaced(radius_axis, "linear", "log2") + "name = \"x\"\n";
-        axis = replaced(axis, "from = 1", std::string("from = ") + from);
+        std::string axis = replace_text(radius_axis, "linear", "log2") + "name = \"x\"\n";
+        axis = replace_text(axis, "from = 1", std::string("from = ") + from);
         CHECK(error_as<SweepFile>("s.toml", sweep_head + "scene = \"near-benign\"\n" + axis, LOSTBITS_DATA_DIR)
                   .starts_with("s.toml:7:8: axis[0].from and to must be positive"));
     }

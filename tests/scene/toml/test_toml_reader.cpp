@@ -80,13 +80,13 @@ TEST_CASE("many numbers in one line are read in time proportional to their bytes
     CHECK(mixed.find("a")->find("b\u00e9")->text == "0.25");
 }
 
-TEST_CASE("reading from a silent pipe stops when it is asked to") {
+TEST_CASE("reading from a silent pipe stops on request") {
     const Scratch folder;
     const auto path = (folder / "p.toml").string();
     REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
-    std::atomic<bool> asked{true};
-    CHECK_THROWS_AS(read_toml(path, intersect::process::StopToken(asked)), Interrupted);
-    asked = false;
+    std::atomic<bool> stop_requested{true};
+    CHECK_THROWS_AS(read_toml(path, intersect::process::StopToken(stop_requested)), Interrupted);
+    stop_requested = false;
     const int writer = ::open(path.c_str(), O_RDWR);  // opened for both, it does not block
     const std::string text = "a = 1\n";
     REQUIRE(::write(writer, text.data(), text.size()) == static_cast<ssize_t>(text.size()));
@@ -99,10 +99,10 @@ TEST_CASE("reading from a silent pipe stops when it is asked to") {
     const pthread_t reader = ::pthread_self();
     std::thread knocks([&] {
         for (int unread = 1; unread > 0; std::this_thread::yield()) ::ioctl(writer, FIONREAD, &unread);
-        asked = true;
+        stop_requested = true;
         for (; !over; std::this_thread::sleep_for(std::chrono::milliseconds(5))) ::pthread_kill(reader, SIGUSR1);
     });
-    CHECK_THROWS_AS(read_toml(path, intersect::process::StopToken(asked)), Interrupted);
+    CHECK_THROWS_AS(read_toml(path, intersect::process::StopToken(stop_requested)), Interrupted);
     over = true;
     knocks.join();
     sigaction(SIGUSR1, &before, nullptr);

@@ -46,11 +46,11 @@ struct TouchPoint {
 };
 
 TouchPoint draw_touch_point(Random& random, const BoxDistribution& settings, const Box<double>& box) {
-    using A = BoxDistribution::Aim;
-    const int fixed_axes = settings.aim == A::inside ? 0
-                           : settings.aim == A::face ? 1
-                           : settings.aim == A::edge ? 2
-                                                     : 3;
+    using Aim = BoxDistribution::Aim;
+    const int fixed_axes = settings.aim == Aim::inside ? 0
+                           : settings.aim == Aim::face ? 1
+                           : settings.aim == Aim::edge ? 2
+                                                       : 3;
     const int first = random.below(3);
     TouchPoint touch{{0, 0, 0}, {0, 0, 0}};
     for (int k = 0; k < 3; ++k) {
@@ -85,7 +85,7 @@ Vec<double> draw_direction(Random& random, const TouchPoint& touch) {
     return d / length(d);
 }
 
-RayGroup box_rays(Random& random, const BoxDistribution& settings) {
+RayGroup draw_rays_at_box(Random& random, const BoxDistribution& settings) {
     const Box<double> box = draw_box(random, settings, offset_of(settings));
     Vec<double> middle(0, 0, 0);
     for (int i = 0; i < 3; ++i) middle[i] = stored(box.lo[i] + random.between(0.3, 0.7) * (box.hi[i] - box.lo[i]));
@@ -93,14 +93,14 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
     RayGroup group;
     if (settings.adjoining) group.primitives = cut_into_octants(box, middle);
     else group.primitives.emplace_back(box);
-    const bool begins_on_other_box = settings.begin == rays::RayStart::on_other;
-    if (begins_on_other_box)
+    const bool starts_on_other_box = settings.start == rays::RayStart::on_other;
+    if (starts_on_other_box)
         group.primitives.emplace_back(
             draw_box(random, settings,
                      offset_of(settings) + (settings.distance * settings.size) * rays::draw_direction(random)));
 
     const double magnitude = rays::direction_length(settings);
-    for (int i = 0; i < settings.rays; ++i) {
+    for (int i = 0; i < settings.ray_count; ++i) {
         TouchPoint touch = draw_touch_point(random, settings, box);
         Vec<double> d = draw_direction(random, touch);
         if (settings.adjoining) {
@@ -111,7 +111,7 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
         }
 
         const Vec<double> moved_point = touch.point + (settings.gap * settings.size) * touch.outward;
-        if (begins_on_other_box) {
+        if (starts_on_other_box) {
             group.rays.push(rays::ray_from_surface(random, settings, group.primitives.back(), moved_point, d));
             continue;
         }
@@ -125,17 +125,17 @@ RayGroup box_rays(Random& random, const BoxDistribution& settings) {
 rays::AimedPlace BoxDistribution::draw_target(Random& random, const Primitive<double>& primitive, int target) {
     Vec<double> fraction(0, 0, 0);
     const int free_axis = random.below(3);
-    for (int k = 0; k < 3; ++k) fraction[k] = target == edge && k == free_axis ? random.unit() : random.below(2);
+    for (int k = 0; k < 3; ++k) fraction[k] = target == on_edge && k == free_axis ? random.unit() : random.below(2);
     return primitive.box().point_at(fraction);
 }
 
 BoxDistribution BoxDistribution::read(toml::TableReader table) {
-    using A = BoxDistribution::Aim;
-    static constexpr std::pair<std::string_view, A> aims[] = {
-        {"face", A::face}, {"edge", A::edge}, {"corner", A::corner}, {"inside", A::inside}};
+    using Aim = BoxDistribution::Aim;
+    static constexpr std::pair<std::string_view, Aim> aims[] = {
+        {"face", Aim::face}, {"edge", Aim::edge}, {"corner", Aim::corner}, {"inside", Aim::inside}};
     BoxDistribution settings;
-    settings.aim = table.optional_one_of<A>("aim", aims).value_or(settings.aim);
-    table.read("begin", settings.begin, rays::ray_start_names);
+    settings.aim = table.optional_one_of<Aim>("aim", aims).value_or(settings.aim);
+    table.read("begin", settings.start, rays::ray_start_names);
     settings.adjoining = table.optional_boolean("adjoining").value_or(false);
     table.read_number("size", settings.size, 0x1p-100, 0x1p+100);
     table.read_number("thickness", settings.thickness, 0, 1);
@@ -147,7 +147,7 @@ BoxDistribution BoxDistribution::read(toml::TableReader table) {
     return settings;
 }
 
-std::vector<RayGroup> BoxDistribution::draw() const { return rays::draw_views(*this, box_rays); }
+std::vector<RayGroup> BoxDistribution::draw() const { return rays::draw_views(*this, draw_rays_at_box); }
 
 std::span<const rays::RaySet> BoxDistribution::ray_sets() {
     static constexpr rays::RaySet all[] = {

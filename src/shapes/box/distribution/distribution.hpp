@@ -14,14 +14,14 @@ namespace lostbits::scene::box {
 /// A box with random sides, and rays that touch it at one point of an edge or a corner, or run along a face. The rays
 /// are then moved away from the box by `gap`. With `adjoining`, the box is cut into eight boxes that share three
 /// planes, and the rays are aimed at the shared points. The closed boxes fill the space around these points, so each
-/// such ray meets one of them. With `begin` on_other, the group has a second box, and the rays start on its surface.
+/// such ray meets one of them. If `start` is on_other, the group has a second box, and the rays start on its surface.
 /// They are aimed at the same points, but come from any direction.
 struct BoxDistribution {
     static constexpr std::string_view table = "box_rays";
     enum class Aim { face, edge, corner, inside };
 
     Aim aim = Aim::edge;
-    rays::RayStart begin = rays::RayStart::away;
+    rays::RayStart start = rays::RayStart::away;
     bool adjoining = false;
     double size = 1;                 ///< longest side, world units
     double thickness = 1;            ///< shortest side, in sizes; 0: flat
@@ -29,12 +29,12 @@ struct BoxDistribution {
     double gap = 0;                  ///< in sizes; positive: outward, a miss by that much
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 1024;                ///< number of boxes; the rays at one box form one sample
-    int rays = 1;                    ///< rays per box
+    int view_count = 1024;           ///< number of boxes; the rays at one box form one sample
+    int ray_count = 1;               ///< rays per box
     std::uint64_t seed = 1;
 
-    enum OutsideAim { edge, corner };
-    static constexpr std::pair<std::string_view, int> aims[] = {{"edge", edge}, {"corner", corner}};
+    enum TargetPlace { on_edge, at_corner };
+    static constexpr std::pair<std::string_view, int> aims[] = {{"edge", on_edge}, {"corner", at_corner}};
     /// Draws a point of an edge, or a corner, as a target for rays that come from any direction.
     static rays::AimedPlace draw_target(rays::Random& random, const Primitive<double>& primitive, int target);
 

@@ -127,7 +127,7 @@ void add_rays_from_other(Random& random, const SphereDistribution& settings, Ray
     const Sphere<double> other{
         stored(sphere.centre + (settings.distance * sphere.radius) * rays::draw_direction(random)), sphere.radius};
     group.primitives.emplace_back(other);
-    for (int i = 0; i < settings.rays; ++i) {
+    for (int i = 0; i < settings.ray_count; ++i) {
         const Vec<double> origin = stored(rays::draw_on_surface(random, other)), to_centre = sphere.centre - origin;
         const double distance = length(to_centre);
         const Vec<double> w = distance > 0 ? to_centre / distance : rays::draw_direction(random);
@@ -137,7 +137,7 @@ void add_rays_from_other(Random& random, const SphereDistribution& settings, Ray
     }
 }
 
-RayGroup view_rays(Random& random, const SphereDistribution& settings) {
+RayGroup draw_rays_of_view(Random& random, const SphereDistribution& settings) {
     const View view = draw_view(random, settings);
     const Vec<double> w(view.w.x / view.n, view.w.y / view.n, view.w.z / view.n);
     const Vec<double> shift = offset_of(settings);
@@ -151,11 +151,11 @@ RayGroup view_rays(Random& random, const SphereDistribution& settings) {
 
     RayGroup group;
     group.primitives.push_back(Sphere<double>{stored(centre), stored(radius)});
-    if (settings.begin == rays::RayStart::on_other) {
+    if (settings.start == rays::RayStart::on_other) {
         add_rays_from_other(random, settings, group);
         return group;
     }
-    for (int i = 0; i < settings.rays; ++i) {
+    for (int i = 0; i < settings.ray_count; ++i) {
         const Impact impact = draw_impact(random, settings, view);
         if (is_parallel) {
             // The direction is (a, b, c) over a power of two near n: exact, and parallel to the centre's direction.
@@ -184,8 +184,8 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     // Origins and directions of the rays.
     SphereDistribution settings;
     settings.projection = table.optional_one_of<P>("projection", projections).value_or(settings.projection);
-    table.read("begin", settings.begin, rays::ray_start_names);
-    if (settings.begin == rays::RayStart::on_other && settings.projection == P::point)
+    table.read("begin", settings.start, rays::ray_start_names);
+    if (settings.start == rays::RayStart::on_other && settings.projection == P::point)
         table.fail_at("begin",
                       "is \"other\", but with projection = \"point\" the rays begin above the sphere itself; "
                       "leave one of the two out");
@@ -210,7 +210,7 @@ SphereDistribution SphereDistribution::read(toml::TableReader table) {
     return settings;
 }
 
-std::vector<RayGroup> SphereDistribution::draw() const { return rays::draw_views(*this, view_rays); }
+std::vector<RayGroup> SphereDistribution::draw() const { return rays::draw_views(*this, draw_rays_of_view); }
 
 std::span<const rays::RaySet> SphereDistribution::ray_sets() {
     static constexpr rays::RaySet all[] = {

@@ -29,7 +29,7 @@ struct SphereDistribution {
     Projection projection = Projection::parallel;
     ViewDirections directions = ViewDirections::oblique;
     Weighting weighting = Weighting::disc;
-    rays::RayStart begin = rays::RayStart::away;  ///< on_other: the other sphere is `distance` radii from the first
+    rays::RayStart start = rays::RayStart::away;  ///< on_other: the other sphere is `distance` radii from the first
     double radius = 1;                            ///< world units
     double distance = 4;                          ///< parallel: eye to centre, in radii
     double height = 1;                            ///< point: eye to surface, world units
@@ -40,8 +40,8 @@ struct SphereDistribution {
     double direction_magnitude = 1;  ///< length of the directions, to the nearest power of two
     double tilt = 0;                 ///< tilted: tangent of the angle to an axis
     double offset = 0;               ///< everything is moved by offset·(1, 0.6875, −0.4375)
-    int views = 1024;                ///< directions w, each with a centre; the rays of one view form one sample
-    int rays = 1;                    ///< rays per view
+    int view_count = 1024;           ///< directions w, each with a centre; the rays of one view form one sample
+    int ray_count = 1;               ///< rays per view
     std::uint64_t seed = 1;
 
     /// Reads `[sphere_rays]`. Throws InputError with a position if a number is out of range.

@@ -1,4 +1,4 @@
-#include "started.hpp"
+#include "started_program.hpp"
 
 #include <fcntl.h>
 #include <sys/wait.h>

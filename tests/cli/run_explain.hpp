@@ -9,7 +9,7 @@
 namespace lostbits::test {
 
 /// The JSON of `lostbits explain …`, run in a folder.
-inline nlohmann::json explained(const std::string& command, const fs::path& folder = ".") {
+inline nlohmann::json run_explain(const std::string& command, const fs::path& folder = ".") {
     INFO(command);
     REQUIRE(command.starts_with("lostbits explain "));
     return nlohmann::json::parse(must(command.substr(9) + " --json -q", folder).out);

@@ -8,8 +8,8 @@
 
 namespace lostbits::test {
 
-/// The scene and the option.
-inline std::string setting_of(Shape shape) {
+/// Returns the name of the scene and the option that selects the pixel.
+inline std::string scene_and_pixel_of(Shape shape) {
     if (shape == Shape::sphere) return "rtg-fig-7-3-100-oblique --pixel 128,100";
     if (shape == Shape::box) return "box-one --pixel 128,100";
     if (shape == Shape::triangle) return "triangle-edge.plain --pixel 100,80";
@@ -26,14 +26,14 @@ inline std::string setting_of(Shape shape) {
 
 /// Rays that `FORM.filtered` decides in its exact step: from a point of the sphere and of the cylinder, and through an
 /// edge of the box and of the triangle.
-inline constexpr std::array settled_exactly{"--sphere=0,0,0,5 --ray=3,4,0,-1,0,0 -i sphere.filtered",
+inline constexpr std::array exact_step_rays{"--sphere=0,0,0,5 --ray=3,4,0,-1,0,0 -i sphere.filtered",
                                             "--box=-1,-1,-1,1,1,1 --ray=-2,0,0,1,1,0 -i box.filtered",
                                             "--triangle=0,0,0,1,0,0,0,1,0 --ray=0.5,0.5,3,0,0,-1 -i triangle.filtered",
                                             "--cylinder=0,0,-2,0,0,2,5 --ray=3,4,0,-1,0,0 -i cylinder.filtered"};
 
 inline std::string scene_of(Shape shape) {
-    const std::string setting = setting_of(shape);
-    return setting.substr(0, setting.find(' '));
+    const std::string options = scene_and_pixel_of(shape);
+    return options.substr(0, options.find(' '));
 }
 
 }  // namespace lostbits::test

@@ -20,7 +20,7 @@ namespace lostbits::test {
 inline const std::string functions_folder = std::string(LOSTBITS_SOURCE_DIR) + "/tests/external/functions/";
 
 /// The message of a function that is refused; empty if it is not.
-inline std::string refusal(const std::string& named) {
+inline std::string find_refusal(const std::string& named) {
     try {
         intersect::function::load_function(named, {});
     } catch (const InputError& error) {
@@ -31,7 +31,7 @@ inline std::string refusal(const std::string& named) {
 
 /// Compares two rows on random rays, a million in the long tests. Returns how many answers differ in a bit.
 template <class S>
-std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::table::Kernel<S>& b, Shape shape) {
+std::size_t count_differences(const intersect::table::Kernel<S>& a, const intersect::table::Kernel<S>& b, Shape shape) {
     const intersect::table::RandomRays<S> rays(shape, is_long() ? 1'000'000 : 20'000, false);
     const auto some = rays.answers(a), others = rays.answers(b);
     std::size_t differ = 0, hits = 0;
@@ -44,15 +44,15 @@ std::size_t differences(const intersect::table::Kernel<S>& a, const intersect::t
 }
 
 /// Compares a function's operations with its compiled code, in its own format.
-inline std::size_t differences(const intersect::function::UserFunction& function) {
+inline std::size_t count_differences(const intersect::function::UserFunction& function) {
     const auto alone = function.written->make_intersector(function.answers->info);
     if (function.answers->batch32)
-        return differences(function.intersector.native32, alone.native32, function.intersector.shape);
-    return differences(function.intersector.native64, alone.native64, function.intersector.shape);
+        return count_differences(function.intersector.native32, alone.native32, function.intersector.shape);
+    return count_differences(function.intersector.native64, alone.native64, function.intersector.shape);
 }
 
 /// The text of a file with double in place of float, and float in place of double.
-inline std::string in_other_format(const std::string& text) {
+inline std::string exchange_formats(const std::string& text) {
     std::string made;
     static const std::regex word(R"(\b(float|double)([2-4]?)\b|\bf(32|64)\b|\bvec([2-4])\b)");
     auto from = text.begin();
@@ -73,19 +73,19 @@ inline bool agrees_in_other_format(const std::string& named, int bits) {
     const std::filesystem::path file = named.substr(0, colon);
     const Scratch made;
     const std::string other =
-        made.write(file.filename().string(), in_other_format(contents(file))) + named.substr(colon);
-    if (const std::string why = refusal(other); !why.empty()) {
+        made.write(file.filename().string(), exchange_formats(contents(file))) + named.substr(colon);
+    if (const std::string why = find_refusal(other); !why.empty()) {
         CHECK(why.find("that computes in float inside is not followed") != std::string::npos);
         return false;
     }
     const auto f = intersect::function::load_function(other, {});
     CHECK(f->bits + bits == 96);
-    CHECK(differences(*f) == 0);
+    CHECK(count_differences(*f) == 0);
     return true;
 }
 
 /// Changes up to four places of a text: a letter becomes one of `letters`, or up to `most` of them are left out.
-inline std::string damaged(std::string text, std::mt19937& random, std::string_view letters, unsigned most) {
+inline std::string damage(std::string text, std::mt19937& random, std::string_view letters, unsigned most) {
     for (unsigned changes = 1 + random() % 4; changes > 0; --changes) {
         const std::size_t at = random() % text.size();
         if (random() % 2 == 0) text[at] = letters[random() % letters.size()];

@@ -16,7 +16,7 @@ struct Language {
 inline constexpr Language c_code{"//", true}, fpcore_code{";"}, toml_code{"#"};
 
 /// Lines of C as compilers join them: after a backslash, even if it is written as a trigraph or followed by blanks.
-inline std::string with_joined_lines(std::string text) {
+inline std::string join_lines(std::string text) {
     for (std::size_t at = 0; (at = text.find("?\?/", at)) != std::string::npos; ++at) text.replace(at, 3, "\\");
     for (std::size_t at = 0; (at = text.find('\\', at)) != std::string::npos;) {
         const std::size_t end = text.find_first_not_of(" \t\r", at + 1);
@@ -26,8 +26,8 @@ inline std::string with_joined_lines(std::string text) {
     return text;
 }
 
-inline std::string code_only(std::string text, const Language& language) {
-    if (language.is_c) text = with_joined_lines(std::move(text));
+inline std::string extract_code(std::string text, const Language& language) {
+    if (language.is_c) text = join_lines(std::move(text));
     const std::string_view all = text;
     std::string code;
     for (std::size_t at = 0; at < all.size();) {
