@@ -67,7 +67,7 @@ struct OffsetPresentation {
 /// Findings for row `form_index` of a study, one sentence per line. For each side: the largest of the smallest safe
 /// offsets, and the strategies that are right for every ray. Then the cheapest strategy that is right on both sides
 /// (`none`, which leaves the point as it is, is a strategy too). Empty if the summary has no points.
-[[nodiscard]] std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t r,
+[[nodiscard]] std::vector<std::string> summary_lines(const OffsetStudy& study, std::size_t form_index,
                                                      const OffsetSummary& summary);
 
 /// A row of `along.<axis>.csv`: a strategy at one value on the axis.
