@@ -104,16 +104,16 @@ void woop(const F* const rays[6], const F* triangle, F* const answers[3], unsign
         const auto pick = [&](V if_x, V if_y, V if_z) {
             return Ops::choose(by_x, if_x, Ops::choose(by_y, if_y, if_z));
         };
-        const auto turned = [&](const Three<Ops>& v) {
+        const auto permute = [&](const Three<Ops>& v) {
             return Three<Ops>{pick(v.z, v.x, v.y), pick(v.y, v.z, v.x), pick(v.x, v.y, v.z)};
         };
-        const Three<Ops> d = turned(direction);
+        const Three<Ops> d = permute(direction);
         const V sz = Ops::div(one, d.z), sx = Ops::mul(d.x, sz), sy = Ops::mul(d.y, sz);
-        const auto sheared = [&](const Three<Ops>& vertex) {
-            const Three<Ops> v = turned(vertex - o);
+        const auto shear = [&](const Three<Ops>& vertex) {
+            const Three<Ops> v = permute(vertex - o);
             return Three<Ops>{Ops::sub(v.x, Ops::mul(v.z, sx)), Ops::sub(v.y, Ops::mul(v.z, sy)), v.z};
         };
-        const Three<Ops> a = sheared(corner[0]), b = sheared(corner[1]), c = sheared(corner[2]);
+        const Three<Ops> a = shear(corner[0]), b = shear(corner[1]), c = shear(corner[2]);
         const auto area = [](V p, V q, V r, V s) { return Ops::sub(Ops::mul(p, q), Ops::mul(r, s)); };
         const V u = area(c.x, b.y, c.y, b.x), v = area(a.x, c.y, a.y, c.x), w = area(b.x, a.y, b.y, a.x);
         const V det = Ops::add(Ops::add(u, v), w);

@@ -149,8 +149,8 @@ const std::string march_sweep =
     make_sweep_file("[march]\nmax_steps = 100\n[sphere_rays]\ndistance = 4\nimpact_to = 0.9\nviews = 1\nrays = 8\n" +
                     make_axis({"hit_eps", "\"march.hit_eps\"", "1e-3", "\"0x1p-26\"", 6}));
 
-const std::string one_claim =
-    make_claim_file({{"mine", "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction")}});
+const std::string one_claim = make_claim_file(
+    {{"mine", "scene = \"mine.toml\"\n" + form_keys("sphere.press"), metric_keys("false_miss_fraction")}});
 
 std::string scene_text(const std::string& primitives, const std::string& head, const std::string& camera) {
     const bool aims = camera.find("look_at") != std::string::npos || camera.find("extent") != std::string::npos;

@@ -107,10 +107,10 @@ struct ClaimText {
 /// A file of such claims; `head` has the keys of the file.
 std::string make_claim_file(const std::vector<ClaimText>& claims, const std::string& head = "");
 /// Test and expected value of such a claim.
-inline std::string tested(const std::string& form, const std::string& format = "f32") {
+inline std::string form_keys(const std::string& form, const std::string& format = "f32") {
     return "form = \"" + form + "\"\nformat = \"" + format + "\"\n";
 }
-inline std::string metric_in(const std::string& metric, const std::string& in = "[0, 1]") {
+inline std::string metric_keys(const std::string& metric, const std::string& in = "[0, 1]") {
     return "metric = \"" + metric + "\"\nin = " + in + "\n";
 }
 

@@ -14,18 +14,18 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string inside = "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b");
-const std::string all_missed = metric_in("false_miss_fraction", "[1, 1]");
-const std::string none_missed = metric_in("false_miss_fraction", "[0, 0.5]");
+const std::string inside = "scene = \"camera-inside\"\n" + form_keys("sphere.unit_half_b");
+const std::string all_missed = metric_keys("false_miss_fraction", "[1, 1]");
+const std::string none_missed = metric_keys("false_miss_fraction", "[0, 0.5]");
 
 }  // namespace
 
 TEST_CASE("check: a claim about random rays must hold for every draw, and --seeds shows the spread") {
     const Scratch scratch;
-    const std::string given = "sweep = \"sphere-distance\"\nat = 4096\n" + tested("sphere.schoolbook");
+    const std::string given = "sweep = \"sphere-distance\"\nat = 4096\n" + form_keys("sphere.schoolbook");
     const auto text = [&](const std::string& in) {
         return make_claim_file(
-            {{"median", given, metric_in("lost_bits_p50", in) + "draws = 2\n"}, {"scene", inside, all_missed}});
+            {{"median", given, metric_keys("lost_bits_p50", in) + "draws = 2\n"}, {"scene", inside, all_missed}});
     };
     scratch.write("wide.toml", text("[0, 24]"));
     const auto all = must("check wide.toml --seeds 3 --export-json c.json --export-csv c.csv", scratch.path());
@@ -65,7 +65,7 @@ TEST_CASE("check: a claim that fails is named with the worst input and the comma
     // pass.
     scratch.write("c.toml", make_claim_file({{"right", inside, all_missed},
                                              {"wrong", inside, none_missed},
-                                             {"empty", inside, metric_in("lost_bits_p50", "[0, 24]")}}));
+                                             {"empty", inside, metric_keys("lost_bits_p50", "[0, 24]")}}));
     const auto r = run("check c.toml --junit j.xml --export-json c.json --annotations github", scratch.path());
     CHECK(r.code == 1);
     CHECK(has(r.out, "FAILED: expected to hold, but does not: wrong (A sentence)"));
@@ -101,7 +101,7 @@ TEST_CASE("check: claims have a severity, a filter and a measure, and say what t
 }
 
 TEST_CASE("check: claims can be about a sweep, a step, an onset, a case, a cell of a plane and a row of a table") {
-    const std::string form = tested("sphere.schoolbook"), f64 = tested("sphere.schoolbook", "f64"),
+    const std::string form = form_keys("sphere.schoolbook"), f64 = form_keys("sphere.schoolbook", "f64"),
                       distance = "sweep = \"sphere-distance\"\n" + f64,
                       table = "table = \"arithmetic\"\nformat = \"f32\"\nat = 16777216\nrow = ";
     const ScratchFile file(
@@ -109,22 +109,22 @@ TEST_CASE("check: claims can be about a sweep, a step, an onset, a case, a cell 
         make_claim_file(
             {// 2^26.5 = 94906265.6
              {"onset", distance, "onset = \"lost_bits\"\nstatistic = \"p50\"\nthreshold = 26.5\nin = [9.2e7, 9.8e7]\n"},
-             {"place", distance + "at = 4096\n", metric_in("lost_bits_p50", "[10, 14]")},
+             {"place", distance + "at = 4096\n", metric_keys("lost_bits_p50", "[10, 14]")},
              {"case", "sweep = \"extremes/contact\"\ncase = \"one ulp outside the tangent\"\n" + form,
-              metric_in("false_hit_fraction", "[1, 1]")},
-             {"plane", "sweep = \"sphere-height\"\nat = [1e6, 1]\n" + form, metric_in("lost_bits_p50", "[15, 20]")},
+              metric_keys("false_hit_fraction", "[1, 1]")},
+             {"plane", "sweep = \"sphere-height\"\nat = [1e6, 1]\n" + form, metric_keys("lost_bits_p50", "[15, 20]")},
              // 1 + 2^-24 is a tie and rounds to even; 1 - 2^-24 is a float.
-             {"sum", table + "\"sum_power_of_two\"\n", metric_in("fraction", "[1, 1]")},
-             {"difference", table + "\"difference_power_of_two\"\n", metric_in("fraction", "[0, 0]")}}));
+             {"sum", table + "\"sum_power_of_two\"\n", metric_keys("fraction", "[1, 1]")},
+             {"difference", table + "\"difference_power_of_two\"\n", metric_keys("fraction", "[0, 0]")}}));
     must("check '" + file.path().string() + "'");
 }
 
 TEST_CASE("check: claims can be about culprits, cancellation and contributions") {
     const Scratch scratch;
-    const std::string form = tested("sphere.schoolbook"), given = "scene = \"rtg-fig-7-3-4100-oblique\"\n" + form,
+    const std::string form = form_keys("sphere.schoolbook"), given = "scene = \"rtg-fig-7-3-4100-oblique\"\n" + form,
                       fd = "operation = \"dot(o - centre, d)\"\n";
     const auto share = [](const std::string& operation, const std::string& in = "[0, 1]") {
-        return metric_in("culprit_fraction", in) + operation;
+        return metric_keys("culprit_fraction", in) + operation;
     };
     scratch.write(
         "c.toml",
@@ -132,13 +132,13 @@ TEST_CASE("check: claims can be about culprits, cancellation and contributions")
             {{"fd", given, share(fd, "[0.45, 0.5]")},
              {"c", given, share("operation = \"c\"\n", "[0.5, 0.53]")},
              {"both", given, share("operation = [\"c\", \"dot(o - centre, d)\", \"c\"]\n", "[0.995, 0.9999]")},
-             {"median", given, metric_in("contribution_c_p50", "[1900, 2000]")},
-             {"all", given, metric_in("cancellation_p50", "[24, 24]")},
-             {"disc", given, metric_in("cancellation_disc_max", "[24, 24]")},
-             {"none", given, metric_in("cancellation_c_max", "[0, 0]")},
+             {"median", given, metric_keys("contribution_c_p50", "[1900, 2000]")},
+             {"all", given, metric_keys("cancellation_p50", "[24, 24]")},
+             {"disc", given, metric_keys("cancellation_disc_max", "[24, 24]")},
+             {"none", given, metric_keys("cancellation_c_max", "[0, 0]")},
              {"sweep", "sweep = \"sphere-distance\"\nat = 4100\n" + form, share("operation = \"c\"\n", "[0.5, 0.7]")},
              {"case", "sweep = \"extremes/contact\"\ncase = \"*\"\n" + form,
-              metric_in("cancellation_max", "[0, 24]")}}));
+              metric_keys("cancellation_max", "[0, 24]")}}));
     must("check c.toml --export-json c.json", scratch.path());
     const auto array = nlohmann::json::parse(contents(scratch / "c.json"));
     CHECK(array[0]["quantity"] == "culprit_fraction of dot(o - centre, d)");
@@ -155,23 +155,23 @@ TEST_CASE("check: claims can be about culprits, cancellation and contributions")
          {given, share("operation = \"|f|\"\n"), "sphere.schoolbook has no operation"},  // sphere.factored_c has
          {given, share(""), "c.toml:12:10: claim[0].expect.metric needs an operation"},
          {given, share("operation = []\n"), "c.toml:14:13"},
-         {given, metric_in("lost_bits_p50") + "operation = \"c\"\n",
+         {given, metric_keys("lost_bits_p50") + "operation = \"c\"\n",
           "c.toml:14:1: claim[0].expect.operation needs metric"},
-         {given, metric_in("contribution:c_p50"),
+         {given, metric_keys("contribution:c_p50"),
           "c.toml:12:10: unknown metric \"contribution:c_p50\" of sphere.schoolbook; did you mean "
           "\"contribution_c_p50\"?"},
-         {given, metric_in("contribution_disk_p50"), "did you mean \"contribution_disc_p50\"?"},
-         {given, metric_in("cancelation_p50"), "did you mean \"cancellation_p50\"?"},
-         {given, metric_in("culprit_fracton"), "did you mean \"culprit_fraction\"?"}});
+         {given, metric_keys("contribution_disk_p50"), "did you mean \"contribution_disc_p50\"?"},
+         {given, metric_keys("cancelation_p50"), "did you mean \"cancellation_p50\"?"},
+         {given, metric_keys("culprit_fracton"), "did you mean \"culprit_fraction\"?"}});
 }
 
 TEST_CASE("check: times are measured on request and never fail a check") {
     const Scratch scratch;
     const std::string head = "profile = \"timing\"\n",
-                      scalar =
-                          "timing = \"one_ray_many_boxes\"\nkernel = \"scalar\"\ndata = \"l1\"\n" + tested("box.signs"),
-                      over = scalar + "over = { kernel = \"128\" }\n", all = metric_in("speed_ratio", "[1e-3, 1e3]");
-    scratch.write("t.toml", make_claim_file({{"t.never", over, metric_in("speed_ratio", "[1e6, 1e7]")},
+                      scalar = "timing = \"one_ray_many_boxes\"\nkernel = \"scalar\"\ndata = \"l1\"\n" +
+                               form_keys("box.signs"),
+                      over = scalar + "over = { kernel = \"128\" }\n", all = metric_keys("speed_ratio", "[1e-3, 1e3]");
+    scratch.write("t.toml", make_claim_file({{"t.never", over, metric_keys("speed_ratio", "[1e6, 1e7]")},
                                              {"t.always", over, all},
                                              {"t.skipped", over + "requires = [\"isa-512\", \"isa-256\"]\n", all}},
                                             head));
@@ -193,7 +193,7 @@ TEST_CASE("check: times are measured on request and never fail a check") {
 TEST_CASE("check: bad claims are refused with their line") {
     const Scratch scratch;
     const auto given = [](const std::string& subject, const std::string& form = "sphere.press",
-                          const std::string& format = "f32") { return subject + "\n" + tested(form, format); };
+                          const std::string& format = "f32") { return subject + "\n" + form_keys(form, format); };
     const std::string scene = "scene = \"camera-inside\"";
     check_refused_claims(
         scratch,
@@ -204,13 +204,13 @@ TEST_CASE("check: bad claims are refused with their line") {
           "load a form of your own with --plugin, --pipe, --shader or --function"},
          {inside + "size = [64, 48]\n", all_missed, "claim[0].given.size is the scene's own"},
          {given(scene, "sphere.press", "f33"), all_missed, "f32"},
-         {inside, metric_in("false_mis_fraction"), "false_miss_fraction"},
-         {inside, metric_in("false_miss_fraction", "[1, 0]"), "low"},
+         {inside, metric_keys("false_mis_fraction"), "false_miss_fraction"},
+         {inside, metric_keys("false_miss_fraction", "[1, 0]"), "low"},
          {inside, "metric = \"false_miss_fraction\"\n", "in"},
          {inside, "onset = \"lost_bits\"\nin = [0, 1]\n", "sweep"},
          {given("sweep = \"extremes/contact\"\ncase = \"eye at the center\""), all_missed, "eye at the centre"},
          {given("sweep = \"sphere-height\"\nat = 1"), all_missed, "2 axes"},
-         {"table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n", metric_in("fraction"), "sum"},
+         {"table = \"arithmetic\"\nrow = \"summ\"\nformat = \"f32\"\nat = 1\n", metric_keys("fraction"), "sum"},
          {inside, all_missed, "severity", "sverity = \"warn\"\n"}});
 }
 
@@ -248,28 +248,29 @@ TEST_CASE("check: a claim can be about one ray of a scene, and user files and va
     for (const auto& pixel : read_csv(scratch / "out/mine/sphere.schoolbook.f32.csv")) {
         const std::string at = "pixel = [" + pixel.at("x") + ", " + pixel.at("y") + "]\n",
                           id = pixel.at("x") + "-" + pixel.at("y"), &outcome = pixel.at("outcome");
-        const std::string given = "scene = \"mine.toml\"\n" + at + tested("sphere.schoolbook");
-        claims.push_back({id, given, metric_in(outcome, "[1, 1]")});
+        const std::string given = "scene = \"mine.toml\"\n" + at + form_keys("sphere.schoolbook");
+        claims.push_back({id, given, metric_keys(outcome, "[1, 1]")});
         if (outcome != "agree_hit") continue;
         ++hits;
         const std::string lost = pixel.at("lost_bits");
-        claims.push_back({id + "-bits", given, metric_in("lost_bits_max", "[" + lost + ", " + lost + "]")});
+        claims.push_back({id + "-bits", given, metric_keys("lost_bits_max", "[" + lost + ", " + lost + "]")});
     }
     CHECK(hits > 3);
     CHECK(claims.size() == 64 + hits);
     claims.push_back(
-        {"wide", "scene = \"two.toml.wide\"\n" + tested("sphere.unified"), metric_in("agree_hit", "[64, 64]")});
+        {"wide", "scene = \"two.toml.wide\"\n" + form_keys("sphere.unified"), metric_keys("agree_hit", "[64, 64]")});
     scratch.write("claims.toml", make_claim_file(claims));
     must("check claims.toml", scratch.path());
     // Beside the claims, from anywhere.
     must("check '" + (scratch / "claims.toml").string() + "'", "/");
     const std::string one = "scene = \"mine.toml\"\npixel = ";
     check_refused_claims(
-        scratch, {{one + "[8, 0]\n" + tested("sphere.unified"), metric_in("agree_hit"), "columns 0 to 7"},
-                  {one + "[0, -1]\n" + tested("sphere.unified"), metric_in("agree_hit"), "pixel[1]"},
-                  {one + "[0, 0]\nstep = 1\n" + tested("sphere.unified"), metric_in("agree_hit"), "together with step"},
-                  {"sweep = \"sphere-distance\"\nat = 4\npixel = [0, 0]\n" + tested("sphere.unified"),
-                   metric_in("agree_hit"), "needs a scene"}});
+        scratch,
+        {{one + "[8, 0]\n" + form_keys("sphere.unified"), metric_keys("agree_hit"), "columns 0 to 7"},
+         {one + "[0, -1]\n" + form_keys("sphere.unified"), metric_keys("agree_hit"), "pixel[1]"},
+         {one + "[0, 0]\nstep = 1\n" + form_keys("sphere.unified"), metric_keys("agree_hit"), "together with step"},
+         {"sweep = \"sphere-distance\"\nat = 4\npixel = [0, 0]\n" + form_keys("sphere.unified"),
+          metric_keys("agree_hit"), "needs a scene"}});
 }
 
 }  // namespace test_check

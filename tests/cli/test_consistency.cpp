@@ -103,10 +103,10 @@ TEST_CASE("consistency: a scene without hits is reported") {
 
 TEST_CASE("claims about consistency are measured, and wrong ones are refused") {
     const Scratch scratch;
-    const std::string octree = "consistency = \"box-octree\"\n" + tested("box.max_mult"),
+    const std::string octree = "consistency = \"box-octree\"\n" + form_keys("box.max_mult"),
                       before = octree + "check = \"before\"\n";
     const auto check = [&](const std::string& in) {
-        scratch.write("c.toml", make_claim_file({{"c", before, metric_in("disagree_fraction", in)}}));
+        scratch.write("c.toml", make_claim_file({{"c", before, metric_keys("disagree_fraction", in)}}));
         return run("check c.toml --export-csv out.csv", scratch.path()).code;
     };
     CHECK(check("[0, 0.5]") == 1);
@@ -114,23 +114,23 @@ TEST_CASE("claims about consistency are measured, and wrong ones are refused") {
     const auto out = read_csv(scratch / "out.csv").front();
     CHECK(has(out.at("subject"), "consistency, check before"));
     CHECK(has(out.at("witness_explain"), "lostbits explain --box="));
-    const std::string fraction = metric_in("disagree_fraction");
+    const std::string fraction = metric_keys("disagree_fraction");
     check_refused_claims(scratch, {{octree, fraction, "check"},
                                    {octree + "check = \"befor\"\n", fraction, "did you mean \"before\"?"},
                                    {octree + "check = \"light\"\n", fraction, "none of these checks applies"},
-                                   {before, metric_in("disagree_fractio"), "did you mean \"disagree_fraction\"?"},
+                                   {before, metric_keys("disagree_fractio"), "did you mean \"disagree_fraction\"?"},
                                    {before + "at = 3\n", fraction, "leave it out"},
                                    {before + "scene = \"near-benign\"\n", fraction, "write one of them"},
-                                   {"scene = \"box-octree\"\ncheck = \"before\"\n" + tested("box.max_mult"),
-                                    metric_in("false_hit_fraction"), "needs consistency"}});
+                                   {"scene = \"box-octree\"\ncheck = \"before\"\n" + form_keys("box.max_mult"),
+                                    metric_keys("false_hit_fraction"), "needs consistency"}});
 }
 
 TEST_CASE("a claim names a study, its options and a row of its summary") {
     const Scratch scratch;
     const auto given = [](const std::string& words) {
-        return "study = \"consistency\"\nscene = \"near-benign\"\n" + words + tested("sphere.half_b");
+        return "study = \"consistency\"\nscene = \"near-benign\"\n" + words + form_keys("sphere.half_b");
     };
-    const std::string fraction = metric_in("disagree_fraction");
+    const std::string fraction = metric_keys("disagree_fraction");
     for (const char* words : {"options = { check = \"beyond\" }\n", "where = { check = \"beyond\" }\n"}) {
         scratch.write("c.toml", make_claim_file({{"c", given(words), fraction}}));
         CHECK(run("check c.toml", scratch.path()).code == 0);
@@ -144,11 +144,11 @@ TEST_CASE("a claim names a study, its options and a row of its summary") {
                           {given("where = { checks = \"beyond\" }\n"), fraction, "did you mean \"check\"?"},
                           {given("where = { check = \"beyon\" }\n"), fraction, "has no row with check = \"beyon\""},
                           {given("options = { check = \"beyond\" }\nstep = 3\n"), fraction, "step"},
-                          {"study = \"consistenc\"\nscene = \"near-benign\"\n" + tested("sphere.half_b"), fraction,
+                          {"study = \"consistenc\"\nscene = \"near-benign\"\n" + form_keys("sphere.half_b"), fraction,
                            "did you mean \"consistency\"?"},
-                          {"study = \"consistency\"\n" + tested("sphere.half_b"), fraction, "A study needs a scene"},
-                          {"scene = \"near-benign\"\nwhere = { check = \"beyond\" }\n" + tested("sphere.half_b"),
-                           metric_in("false_hit_fraction"), "needs study"}});
+                          {"study = \"consistency\"\n" + form_keys("sphere.half_b"), fraction, "A study needs a scene"},
+                          {"scene = \"near-benign\"\nwhere = { check = \"beyond\" }\n" + form_keys("sphere.half_b"),
+                           metric_keys("false_hit_fraction"), "needs study"}});
 }
 
 TEST_CASE("offsets writes a picture for each side and strategy, a sheet and a table") {
@@ -228,11 +228,11 @@ TEST_CASE("offsets: a sheet without thickness has no safe offset into it, and th
 
 TEST_CASE("claims about offsets are measured, and wrong ones are refused") {
     const Scratch scratch;
-    const std::string box = "offsets = \"offset-thin-box\"\n" + tested("box.baseline"),
-                      none = box + "strategy = \"offset.none\"\n", bad = metric_in("bad_fraction");
+    const std::string box = "offsets = \"offset-thin-box\"\n" + form_keys("box.baseline"),
+                      none = box + "strategy = \"offset.none\"\n", bad = metric_keys("bad_fraction");
     const auto check = [&](const std::string& in) {
         scratch.write("c.toml", make_claim_file({{"c", box + "strategy = \"offset.epsilon\"\nside = \"inside\"\n",
-                                                  metric_in("bad_fraction", in)}}));
+                                                  metric_keys("bad_fraction", in)}}));
         return run("check c.toml --export-csv out.csv", scratch.path()).code;
     };
     CHECK(check("[0, 0.5]") == 1);
@@ -244,7 +244,7 @@ TEST_CASE("claims about offsets are measured, and wrong ones are refused") {
                                    {box + "strategy = \"offset.epsilo\"\n", bad, "did you mean \"offset.epsilon\"?"},
                                    {none + "side = \"insid\"\n", bad, "there is side = \"inside\", side = \"outside\""},
                                    {none + "points = \"exact\"\n", bad, "computed"},
-                                   {none, metric_in("bad_fractio"), "did you mean \"bad_fraction\"?"},
+                                   {none, metric_keys("bad_fractio"), "did you mean \"bad_fraction\"?"},
                                    {none + "at = 3\n", bad, "leave it out"},
                                    {none + "scene = \"near-benign\"\n", bad, "write one of them"}});
 }

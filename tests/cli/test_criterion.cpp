@@ -13,13 +13,13 @@ using namespace lostbits::test;
 
 namespace {
 
-const std::string given = "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b");
+const std::string given = "scene = \"camera-inside\"\n" + form_keys("sphere.unit_half_b");
 const std::string holds = "\"holds\"", refuted = "\"refuted\"",
                   qualified = "\"qualified\"\ncondition = \"where the eye is outside\"";
 
 /// The measured value is 1: no ray from inside is hit.
 std::string expect(const std::string& in, const std::string& criterion) {
-    return metric_in("false_miss_fraction", in) + (criterion.empty() ? "" : "criterion = " + criterion + "\n");
+    return metric_keys("false_miss_fraction", in) + (criterion.empty() ? "" : "criterion = " + criterion + "\n");
 }
 
 ClaimText claim(const std::string& id, const std::string& verdict, const std::string& in, const std::string& criterion,
@@ -150,13 +150,13 @@ TEST_CASE("claims quoted from a source are counted apart from our own everywhere
 
 TEST_CASE("a 99th percentile of random rays has order-statistic bounds, and that of a picture has none") {
     const Scratch scratch;
-    const std::string form = tested("sphere.unified"), sweep = "sweep = \"sphere-distance\"\nat = 4096\n" + form;
-    const std::string in = "[0, 24]", p99 = metric_in("lost_bits_p99", in);
+    const std::string form = form_keys("sphere.unified"), sweep = "sweep = \"sphere-distance\"\nat = 4096\n" + form;
+    const std::string in = "[0, 24]", p99 = metric_keys("lost_bits_p99", in);
     const std::string file =
         scratch.write("c.toml", make_claim_file({{"p99", sweep, p99},
-                                                 {"low", sweep, metric_in("lost_bits_p99_low", in)},
-                                                 {"high", sweep, metric_in("lost_bits_p99_high", in)},
-                                                 {"median", sweep, metric_in("lost_bits_p50", in)},
+                                                 {"low", sweep, metric_keys("lost_bits_p99_low", in)},
+                                                 {"high", sweep, metric_keys("lost_bits_p99_high", in)},
+                                                 {"median", sweep, metric_keys("lost_bits_p50", in)},
                                                  {"picture", "scene = \"near-benign\"\n" + form, p99}}));
     const auto at = [&](const char* name) { return (scratch.path() / name).string(); };
     must("check '" + file + "' --export-json '" + at("c.json") + "'");
@@ -179,8 +179,8 @@ const std::string scene =
                "kind = \"orthographic\"\nwidth = 2.5\neye = [0.1, 0.2, 0.3]\nlook_at = [" + far_away);
 
 const std::string head = "profile = \"timing\"\n", choice = "choose = \"far.toml\"\n",
-                  unified = choice + tested("sphere.unified"), schoolbook = choice + tested("sphere.schoolbook"),
-                  double_inside = choice + tested("sphere.double_inside") + "bits = 24\nformats = [\"f32\"]\n";
+                  unified = choice + form_keys("sphere.unified"), schoolbook = choice + form_keys("sphere.schoolbook"),
+                  double_inside = choice + form_keys("sphere.double_inside") + "bits = 24\nformats = [\"f32\"]\n";
 
 }  // namespace
 
@@ -202,7 +202,7 @@ TEST_CASE("a criterion may be about the forms that meet a requirement, and about
         {unified + "over = {}\n", "time_ratio", 1}};  // the same over itself: about 1
     std::vector<ClaimText> claims;
     for (const auto& [given, metric, right] : rows)
-        claims.push_back({"c" + std::to_string(claims.size()), given, metric_in(metric, "[-1, 1000]")});
+        claims.push_back({"c" + std::to_string(claims.size()), given, metric_keys(metric, "[-1, 1000]")});
     scratch.write("c.toml", make_claim_file(claims, head));
     std::istringstream said(must("check c.toml --profile timing --measure", scratch.path()).out);
     for (const auto& [given, metric, right] : rows) {
@@ -218,10 +218,10 @@ TEST_CASE("a criterion may be about the forms that meet a requirement, and about
 TEST_CASE("a claim about a choice never fails a check, and wrong words are refused with their line") {
     const Scratch scratch;
     scratch.write("far.toml", scene);
-    scratch.write("d.toml", make_claim_file({{"d", unified + "bits = 23\n", metric_in("meets", "[1, 1]")}}, head));
+    scratch.write("d.toml", make_claim_file({{"d", unified + "bits = 23\n", metric_keys("meets", "[1, 1]")}}, head));
     CHECK(has(must("check d.toml --profile timing", scratch.path()).out, "differs"));
-    const std::string eighteen = unified + "bits = 18\n", meets = metric_in("meets"), ratio = metric_in("time_ratio"),
-                      chosen = metric_in("chosen");
+    const std::string eighteen = unified + "bits = 18\n", meets = metric_keys("meets"),
+                      ratio = metric_keys("time_ratio"), chosen = metric_keys("chosen");
     check_refused_claims(scratch,
                          {{unified, meets, "needs a requirement"},
                           {unified + "bits = 54\n", meets, "0 and 53"},
@@ -229,7 +229,7 @@ TEST_CASE("a claim about a choice never fails a check, and wrong words are refus
                           {eighteen + "at = \"p100\"\n", meets, "p99.9"},
                           {eighteen + "at = \"p99\"\nover = { format = \"f64\" }\n", ratio, "one of the two"},
                           {eighteen, ratio, "others_that_meet"},
-                          {eighteen, metric_in("meet"), "unknown metric"},
+                          {eighteen, metric_keys("meet"), "unknown metric"},
                           {unified + "over = { format = \"f64\" }\n", chosen, "time_ratio"},
                           {unified + "over = { form = \"sphere.unifed\" }\n", ratio, "sphere.unified"},
                           {unified + "over = { forms = \"sphere.press\" }\n", ratio, "forms"},
@@ -237,7 +237,7 @@ TEST_CASE("a claim about a choice never fails a check, and wrong words are refus
                           {eighteen + "formats = [\"f31\"]\n", chosen, "f31"},
                           {eighteen + "formats = [\"bf16\"]\n", chosen, "emulated"},
                           {eighteen + "bit = 3\n", meets, "bits"},
-                          {choice + tested("box.signs") + "bits = 18\n", meets, "other primitives"}},
+                          {choice + form_keys("box.signs") + "bits = 18\n", meets, "other primitives"}},
                          head, " --profile timing");
     check_refused_claims(scratch, {{eighteen, meets, "profile = \"timing\""}}, "profile = \"results\"\n");
 }

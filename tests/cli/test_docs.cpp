@@ -147,13 +147,13 @@ bool shows(std::span<const std::string> shown, std::span<const std::string> prin
 
 /// The files that a page asks the reader to save: "Save this as `NAME`", and the block that follows.
 void save_files(const Scratch& scratch, const std::string& page) {
-    static const std::regex told(R"([Ss]ave\s+(this\s+file|this|it)\s+as\s+`([^`]+)`)");
+    static const std::regex save_words(R"([Ss]ave\s+(this\s+file|this|it)\s+as\s+`([^`]+)`)");
     const auto lines = split_lines(contents(root / page));
     std::size_t begin = 0;
     for (const Block& block : blocks_of(page)) {
         std::string text, name;
         for (std::size_t i = begin; i < block.first - 1; ++i) text += lines[i] + "\n";
-        for (std::sregex_iterator m(text.begin(), text.end(), told), end; m != end; ++m) name = (*m)[2];
+        for (std::sregex_iterator m(text.begin(), text.end(), save_words), end; m != end; ++m) name = (*m)[2];
         if (!name.empty()) scratch.write(name, block.text());
         begin = block.first + block.lines.size();
     }

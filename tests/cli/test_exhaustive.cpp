@@ -186,10 +186,10 @@ TEST_CASE("a sweep resumed with another file, form or version or a damaged state
 TEST_CASE("a claim may rest on every float of a range, and its verdict gives the count") {
     const Scratch scratch;
     scratch.write("s.toml", small);
-    const std::string given = "sweep = \"s.toml\"\n" + tested("sphere.schoolbook"),
+    const std::string given = "sweep = \"s.toml\"\n" + form_keys("sphere.schoolbook"),
                       all = given + "exhaustive = true\nray = \"beside\"\n",
                       onset = "onset = \"false_hit\"\nin = [\"0x1.6a09ecp10\", \"0x1.6a09ecp10\"]\n",
-                      range = "from = \"0x1.6ap10\"\nto = \"0x1.6a09eap10\"\n", none = metric_in("wrong", "[0, 0]");
+                      range = "from = \"0x1.6ap10\"\nto = \"0x1.6a09eap10\"\n", none = metric_keys("wrong", "[0, 0]");
     scratch.write("c.toml", make_claim_file({{"first", all, onset}, {"before", all + range, none}}));
     const auto r = must("-v check c.toml --export-csv c.csv --export-json c.json", scratch.path());
     CHECK(has(r.out, "ok       first (holds, all 65537 floats): 1448.155029296875\n"));
@@ -198,15 +198,16 @@ TEST_CASE("a claim may rest on every float of a range, and its verdict gives the
     CHECK(row.at("floats") == "65537");
     CHECK(run_explain(row.at("witness_explain"))["outcome"] == "false_hit");
     CHECK(nlohmann::json::parse(contents(scratch / "c.json"))[1]["floats"] == 1270);
-    check_refused_claims(scratch, {{given + "ray = \"beside\"\n", onset, "needs `exhaustive = true`"},
-                                   {given + "at = 3\n", none, "write `exhaustive = true` in claim.given"},
-                                   {given + "exhaustive = true\n", onset, "names no ray"},
-                                   {given + "exhaustive = true\nray = \"besides\"\n", onset, "did you mean \"beside\""},
-                                   {all, metric_in("lost_bits_p50"), "which a sweep over every float does not measure"},
-                                   {all, "onset = \"lost_bits\"\nthreshold = 5\nin = [0, 1]\n",
-                                    "no onset of \"lost_bits\" at that threshold"},
-                                   {all + "from = 1\nto = 2\n", onset, "lies outside the axis distance"},
-                                   {all + "from = 1444\n", onset, "one of from and to"}});
+    check_refused_claims(
+        scratch,
+        {{given + "ray = \"beside\"\n", onset, "needs `exhaustive = true`"},
+         {given + "at = 3\n", none, "write `exhaustive = true` in claim.given"},
+         {given + "exhaustive = true\n", onset, "names no ray"},
+         {given + "exhaustive = true\nray = \"besides\"\n", onset, "did you mean \"beside\""},
+         {all, metric_keys("lost_bits_p50"), "which a sweep over every float does not measure"},
+         {all, "onset = \"lost_bits\"\nthreshold = 5\nin = [0, 1]\n", "no onset of \"lost_bits\" at that threshold"},
+         {all + "from = 1\nto = 2\n", onset, "lies outside the axis distance"},
+         {all + "from = 1444\n", onset, "one of from and to"}});
     scratch.write("b.toml", make_claim_file({{"b", all, "onset = \"false_miss\"\nin = [0, 1]\n"}}));
     const auto never = run("check b.toml", scratch.path());
     CHECK(never.code == 1);

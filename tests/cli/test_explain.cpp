@@ -248,10 +248,10 @@ TEST_CASE("explain: JSON writes null for missing values and words for numbers th
 TEST_CASE("explain: a constant on the way to t has no operation on the tape") {
     // This value, 1 and more, was once taken for 1 in the search for the cancellation that a rounding passes through.
     const auto r = must("explain box-octree --size 24x18 --pixel 17,11 -i box.max_mult -f bf16 --json");
-    const auto told = nlohmann::json::parse(r.out);
-    CHECK(told["outcome"] == "wrong_primitive");  // the explained hit is one of another box
-    CHECK(has(told["largest_sentence"], "accounts for"));
-    CHECK(told["culprit"].is_null() == !has(told["sentence"], "The culprit is"));
+    const auto explanation = nlohmann::json::parse(r.out);
+    CHECK(explanation["outcome"] == "wrong_primitive");  // the explained hit is one of another box
+    CHECK(has(explanation["largest_sentence"], "accounts for"));
+    CHECK(explanation["culprit"].is_null() == !has(explanation["sentence"], "The culprit is"));
 }
 
 TEST_CASE("explain: an overflow that changed a decision is blamed, not the roundings beside it") {

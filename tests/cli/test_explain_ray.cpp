@@ -182,7 +182,7 @@ TEST_CASE("explain --worst of a sweep reports the ray, its step and the number o
 
 TEST_CASE("a claim about all wrong decisions names the first one, as explain --worst does") {
     const Scratch scratch;
-    const std::string form = tested("sphere.press"), none = metric_in("wrong_fraction", "[0, 0]");
+    const std::string form = form_keys("sphere.press"), none = metric_keys("wrong_fraction", "[0, 0]");
     scratch.write("c.toml", make_claim_file({{"scene", "scene = \"grazing\"\n" + form, none},
                                              {"sweep", "sweep = \"sphere-distance\"\nat = 4096\n" + form, none}}));
     const auto r = run("check c.toml --junit j.xml", scratch.path());

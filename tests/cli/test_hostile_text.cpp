@@ -22,7 +22,7 @@ const std::string hostile = R"(=SUM(1)|<script>x</script>\n::error::forged\n##[e
 
 std::string claim(const std::string& id) {
     const std::string text = make_claim_file(
-        {{id, "scene = \"mine.toml\"\n" + tested("sphere.press"), metric_in("false_miss_fraction", "[0.5, 1]"),
+        {{id, "scene = \"mine.toml\"\n" + form_keys("sphere.press"), metric_keys("false_miss_fraction", "[0.5, 1]"),
           "note = \"" + hostile + "\"\n", "\"holds\"", hostile}});
     return replace_text(text, "A sentence", hostile);
 }

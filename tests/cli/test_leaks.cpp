@@ -13,7 +13,7 @@ namespace {
 
 constexpr int leaks = 23;
 
-std::string watched(const std::string& exceptions) {
+std::string leak_environment(const std::string& exceptions) {
     return std::string("LD_PRELOAD='") + LOSTBITS_LEAK_SANITIZER + "' LSAN_OPTIONS=exitcode=" + std::to_string(leaks) +
            ":suppressions='" + exceptions + "'";
 }
@@ -34,15 +34,16 @@ TEST_CASE("no command leaks memory except for the listed reasons") {
           std::string("report mine.toml -i sphere.press -f f32 --no-claims -o page"),
           "map mine.toml -i example.schoolbook -f f32 -o plugin" + library,
           "map mine.toml -i example.schoolbook -f f32 -o alone --isolate" + library}) {
-        const auto r = must(words, scratch.path(), watched(LOSTBITS_LEAK_EXCEPTIONS));
+        const auto r = must(words, scratch.path(), leak_environment(LOSTBITS_LEAK_EXCEPTIONS));
         CHECK_FALSE(has(r.err, "detected memory leaks"));  // with a library, the checking process is not the ending one
     }
     // The leaks are found, and only the list suppresses them.
-    const std::string lost = watched("/dev/null") + " '" + LOSTBITS_LEAKING + "' 2>/dev/null";
+    const std::string lost = leak_environment("/dev/null") + " '" + LOSTBITS_LEAKING + "' 2>/dev/null";
     CHECK(WEXITSTATUS(std::system(lost.c_str())) == leaks);
-    CHECK(has(
-        run("map mine.toml -i example.schoolbook -f f32 -o again" + library, scratch.path(), watched("/dev/null")).err,
-        "detected memory leaks"));
+    CHECK(has(run("map mine.toml -i example.schoolbook -f f32 -o again" + library, scratch.path(),
+                  leak_environment("/dev/null"))
+                  .err,
+              "detected memory leaks"));
 }
 
 }  // namespace test_leaks

@@ -79,8 +79,9 @@ TEST_CASE("a sweep and a claim find a scene in their own folder") {
     scratch.write("own/grow.toml",
                   make_sweep_file("scene = \"ball.toml\"\n" +
                                   make_axis({"radius", "\"sphere[0].radius\"", "0.5", "1", 2, "linear"})));
-    scratch.write("own/claims.toml", make_claim_file({{"own.ball", "scene = \"ball.toml\"\n" + tested("sphere.press"),
-                                                       metric_in("false_miss_fraction", "[0, 0]")}}));
+    scratch.write("own/claims.toml",
+                  make_claim_file({{"own.ball", "scene = \"ball.toml\"\n" + form_keys("sphere.press"),
+                                    metric_keys("false_miss_fraction", "[0, 0]")}}));
     for (const std::string own : {"own/", ""}) {
         const auto folder = scratch.path() / (own.empty() ? "own" : "");
         must("sweep " + own + "grow.toml -i sphere.press -f f32 -o out", folder);

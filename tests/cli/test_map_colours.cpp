@@ -91,8 +91,8 @@ TEST_CASE("explain gives a ray at a mesh the same outcome as map") {
         for (const auto& pixel : read_csv(folder.path() / scene / "triangle.undivided.f32.csv"))
             pixels.try_emplace(pixel.at("outcome"), pixel.at("x") + "," + pixel.at("y"));
         for (const std::string& outcome : outcomes) {
-            const auto told = must("explain " + scene + " --pixel " + pixels.at(outcome) + form + " --json");
-            const auto json = nlohmann::json::parse(told.out);
+            const auto explained = must("explain " + scene + " --pixel " + pixels.at(outcome) + form + " --json");
+            const auto json = nlohmann::json::parse(explained.out);
             CHECK(json.value("in_mesh", json.at("outcome").get<std::string>()) == outcome);
         }
     };

@@ -227,18 +227,18 @@ TEST_CASE("paste: the rays in worst.csv of a search, and the cases of its hard.t
 
 TEST_CASE("paste: the witness of a claim in the message, CSV, JSON and JUnit XML") {
     const Scratch folder;
-    const std::string ulps = metric_in("ulp_error_max", "[-2, -1]"), unified = tested("sphere.unified"),
-                      press = tested("sphere.press", "bf16"), all = "case = \"*\"\n";
+    const std::string ulps = metric_keys("ulp_error_max", "[-2, -1]"), unified = form_keys("sphere.unified"),
+                      press = form_keys("sphere.press", "bf16"), all = "case = \"*\"\n";
     folder.write(
         "c.toml",
-        make_claim_file({{"scene", "scene = \"near-benign\"\n" + tested("sphere.schoolbook", "f64"), ulps},
+        make_claim_file({{"scene", "scene = \"near-benign\"\n" + form_keys("sphere.schoolbook", "f64"), ulps},
                          {"own", "scene = \"world-offset-own\"\n" + press, ulps},
-                         {"wrong", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
-                          metric_in("false_miss", "[-2, -1]")},
+                         {"wrong", "scene = \"camera-inside\"\n" + form_keys("sphere.unit_half_b"),
+                          metric_keys("false_miss", "[-2, -1]")},
                          {"sweep", "sweep = \"sphere-distance\"\nat = 30\n" + press, ulps},
-                         {"march", "sweep = \"sdf-distance\"\nat = 300\n" + tested("sdf.sphere_trace"), ulps},
-                         {"none", "sweep = \"not-numbers\"\n" + all + unified, metric_in("not_a_number", "[-2, -1]")},
-                         {"case", "sweep = \"scale\"\n" + all + tested("sphere.unified", "f64"), ulps}}));
+                         {"march", "sweep = \"sdf-distance\"\nat = 300\n" + form_keys("sdf.sphere_trace"), ulps},
+                         {"none", "sweep = \"not-numbers\"\n" + all + unified, metric_keys("not_a_number", "[-2, -1]")},
+                         {"case", "sweep = \"scale\"\n" + all + form_keys("sphere.unified", "f64"), ulps}}));
     const auto r = run("check c.toml --export-csv c.csv --export-json c.json --junit j.xml", folder.path());
     REQUIRE(r.code == 1);
     const auto table = read_csv(folder / "c.csv");

@@ -164,14 +164,14 @@ Files rays_and_tables() {
 }
 
 Files claims() {
-    const std::string inside = "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
-                      missed = metric_in("false_miss_fraction", "[1, 1]"),
+    const std::string inside = "scene = \"camera-inside\"\n" + form_keys("sphere.unit_half_b"),
+                      missed = metric_keys("false_miss_fraction", "[1, 1]"),
                       times = "timing = \"one_ray_many_boxes\"\nkernel = \"scalar\"\ndata = \"l1\"\n" +
-                              tested("box.signs") + "over = { kernel = \"128\" }\n";
-    return {
-        {"wide.toml", make_claim_file({{"a", inside, missed}})},
-        {"twice.toml", make_claim_file({{"a", inside, missed}, {"a", inside, missed}})},
-        {"t.toml", make_claim_file({{"t", times, metric_in("speed_ratio", "[1e-3, 1e3]")}}, "profile = \"timing\"\n")}};
+                              form_keys("box.signs") + "over = { kernel = \"128\" }\n";
+    return {{"wide.toml", make_claim_file({{"a", inside, missed}})},
+            {"twice.toml", make_claim_file({{"a", inside, missed}, {"a", inside, missed}})},
+            {"t.toml",
+             make_claim_file({{"t", times, metric_keys("speed_ratio", "[1e-3, 1e3]")}}, "profile = \"timing\"\n")}};
 }
 
 /// The rows of these commands, or of all others.

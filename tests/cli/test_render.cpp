@@ -145,18 +145,18 @@ TEST_CASE("a scene without paint is rendered up to the stage it asks for, and th
 
 TEST_CASE("a claim about a rendered picture has its number, and impossible ones are refused") {
     const Scratch scratch;
-    const auto given = [](const std::string& words) { return words + "\n" + tested("sphere.expanded"); };
+    const auto given = [](const std::string& words) { return words + "\n" + form_keys("sphere.expanded"); };
     const auto check = [&](const std::string& metric) {
         const std::string text =
             make_claim_file({{"a", given("render = \"raycast-course.pixels\"\nstage = \"visible\""),
-                              metric_in(metric, "[49152, 49152]")}});
+                              metric_keys(metric, "[49152, 49152]")}});
         return run("check '" + scratch.write("claims.toml", text) + "'");
     };
     CHECK(check("pixels").code == 0);
     const auto wrong = check("changed");
     CHECK(wrong.code == 1);
     CHECK(has(wrong.out, "lostbits render raycast-course.pixels --stage visible -i sphere.expanded -f f32 -o out"));
-    const std::string pixels = metric_in("pixels");
+    const std::string pixels = metric_keys("pixels");
     check_refused_claims(scratch, {{given("render = \"raycast-curse.pixels\""), pixels, "raycast-course"},
                                    {given("render = \"raycast-course\""), pixels, "has variants"},
                                    {given("render = \"raycast-far.at0\"\nstage = \"phongg\""), pixels, "phong"},
@@ -165,7 +165,7 @@ TEST_CASE("a claim about a rendered picture has its number, and impossible ones 
                                    {given("render = \"box-one\""), pixels, "cannot handle box-one"},
                                    {given("render = \"raycast-far.at0\"\nat = 3"), pixels, "at"},
                                    {given("scene = \"grazing\"\nstage = \"phong\""), pixels, "stage"},
-                                   {given("render = \"raycast-far.at0\""), metric_in("pixel"), "pixels"}});
+                                   {given("render = \"raycast-far.at0\""), metric_keys("pixel"), "pixels"}});
 }
 
 }  // namespace test_render

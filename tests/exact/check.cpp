@@ -88,13 +88,13 @@ Findings check(const ShapeTest& shape, std::span<const Problem> problems, std::s
         in_doubt = (i + 1) % each_exactly == 0, has_no_first = false;
         if (!in_doubt) fault = fault_of(meet(shape.quickly, problems[i]), answers[i], tightness, 0x1p-80);
         if (in_doubt) {
-            ++found.exactly, has_no_first = false;
+            ++found.exact_count, has_no_first = false;
             fault = fault_of(meet(shape.exactly, problems[i]), answers[i], tightness, 0);
         }
         ++found.ray_count;
         found.hits += answers[i].hit;
         if (has_no_first) fault = Fault::none;
-        if (fault != Fault::none && found.differ++ == 0) found.first = i, found.fault = fault;
+        if (fault != Fault::none && found.wrong_count++ == 0) found.first_wrong = i, found.fault = fault;
     }
     return found;
 }

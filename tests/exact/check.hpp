@@ -26,10 +26,10 @@ const char* words_of(Fault fault);
 /// the answer if that is wider.
 struct Findings {
     std::size_t ray_count = 0, hits = 0;
-    std::size_t exactly = 0;    ///< that were decided without an error
-    std::size_t differ = 0;     ///< that are wrong
-    std::size_t first = 0;      ///< the place of the first of those
-    Fault fault = Fault::none;  ///< and what is wrong with it
+    std::size_t exact_count = 0;  ///< answers that were decided without an error
+    std::size_t wrong_count = 0;
+    std::size_t first_wrong = 0;  ///< index of the first wrong answer
+    Fault fault = Fault::none;    ///< what is wrong with it
 };
 
 /// `each_exactly`: one answer in so many is checked without an error, even if the quick check decides. `tightness`:

@@ -19,7 +19,7 @@ template <class E>
 using Chord = std::optional<Part<E>>;
 
 template <class E>
-Chord<E> common(const Chord<E>& a, const Chord<E>& b) {
+Chord<E> intersect_chords(const Chord<E>& a, const Chord<E>& b) {
     if (!a || !b) return std::nullopt;
     Part<E> both = *a;
     if (b->first && (!both.first || order(*both.first, *b->first) < 0)) both.first = b->first;
@@ -30,7 +30,7 @@ Chord<E> common(const Chord<E>& a, const Chord<E>& b) {
 
 /// Everything that two ranges of one convex primitive cover together. Both ranges have ends.
 template <class E>
-Chord<E> joined(const Chord<E>& a, const Chord<E>& b) {
+Chord<E> join_chords(const Chord<E>& a, const Chord<E>& b) {
     if (!a || !b) return a ? a : b;
     return Part<E>{order(*a->first, *b->first) < 0 ? a->first : b->first,
                    order(*a->last, *b->last) > 0 ? a->last : b->last};
@@ -38,7 +38,7 @@ Chord<E> joined(const Chord<E>& a, const Chord<E>& b) {
 
 /// Range of t in which b + t m is between 0 and v, v > 0.
 template <class E>
-Chord<E> between(const E& b, const E& m, const E& v) {
+Chord<E> chord_between(const E& b, const E& m, const E& v) {
     const int across = sign(m);
     if (across == 0) return sign(b) >= 0 && sign(v - b) >= 0 ? Chord<E>(Part<E>{}) : std::nullopt;
     const auto at_0 = fraction(-b, m), at_v = fraction(v - b, m);
@@ -47,21 +47,21 @@ Chord<E> between(const E& b, const E& m, const E& v) {
 
 /// Range of t within a part in which a t² + 2 h t + c ≤ 0, for a primitive that is convex there.
 template <class E>
-Chord<E> below(const Chord<E>& part, const E& a, const E& h, const E& c) {
+Chord<E> chord_below(const Chord<E>& part, const E& a, const E& h, const E& c) {
     if (!part) return part;
     const int bends = sign(a);
     if (bends == 0) {
         const int slope = sign(h);
         if (slope == 0) return sign(c) <= 0 ? part : std::nullopt;
         const auto at = fraction(-c, h + h);
-        return common<E>(part, slope > 0 ? Part<E>{{}, at} : Part<E>{at, {}});
+        return intersect_chords<E>(part, slope > 0 ? Part<E>{{}, at} : Part<E>{at, {}});
     }
     const Quadratic<E> x = bends > 0 ? Quadratic<E>(a, h, c) : Quadratic<E>(-a, -h, -c);
     const int roots = sign(x.q);
-    if (bends > 0) return roots < 0 ? std::nullopt : common<E>(part, Part<E>{root_of(x, -1), root_of(x, 1)});
+    if (bends > 0) return roots < 0 ? std::nullopt : intersect_chords<E>(part, Part<E>{root_of(x, -1), root_of(x, 1)});
     if (roots <= 0) return part;
-    const Chord<E> before = common<E>(part, Part<E>{{}, root_of(x, -1)});
-    const Chord<E> after = common<E>(part, Part<E>{root_of(x, 1), {}});
+    const Chord<E> before = intersect_chords<E>(part, Part<E>{{}, root_of(x, -1)});
+    const Chord<E> after = intersect_chords<E>(part, Part<E>{root_of(x, 1), {}});
     if (before && after && !in_doubt) throw std::logic_error("a cone is in two parts between its planes");
     return before ? before : after;
 }

@@ -94,7 +94,7 @@ bool has_valid_transform(const Problem& problem, int orientation) {
 
 /// The problem with the transform, with its ray transformed to the world.
 template <class S>
-Problem transformed(Problem p, Matrix m, bool is_inverse) {
+Problem transform(Problem p, Matrix m, bool is_inverse) {
     for (double& x : m) x = stored<S>(x);
     const Triple shift{at(m, 0, 3), at(m, 1, 3), at(m, 2, 3)};
     Triple o{p.ray[0], p.ray[1], p.ray[2]}, d{p.ray[3], p.ray[4], p.ray[5]};
@@ -119,7 +119,7 @@ void place(const Matrices& all, std::vector<Problem>& problems, const Draw& draw
         for (int tries = 0; !problem.has_transform; ++tries) {
             Matrix m = tries < 8 ? draw() : Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
             turn(m, all.orientation);
-            const Problem there = transformed<S>(problem, m, all.is_inverse);
+            const Problem there = transform<S>(problem, m, all.is_inverse);
             if (has_valid_transform<S>(there, all.orientation)) problem = there;
         }
     }

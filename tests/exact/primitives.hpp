@@ -92,7 +92,7 @@ Chord<E> all_of_it() {
 template <class E>
 Chord<E> ball(const ObjectProblem<E>& q, const Vector<E>& centre, const E& r) {
     const Vector<E> f = q.o - centre;
-    return below<E>(all_of_it<E>(), dot(q.d, q.d), dot(f, q.d), dot(f, f) - r * r);
+    return chord_below<E>(all_of_it<E>(), dot(q.d, q.d), dot(f, q.d), dot(f, f) - r * r);
 }
 
 /// With v from base to top, p = o + t d − base and s = v·p: across the axis p² − s²/v² is left, and s/v² of the height
@@ -106,7 +106,7 @@ struct AlongAxis {
         : v(top - base), f(q.o - base), v2(dot(v, v)), fv(dot(f, v)), dv(dot(q.d, v)) {
         a = v2 * dot(q.d, q.d) - dv * dv, h = v2 * dot(f, q.d) - fv * dv, c = v2 * dot(f, f) - fv * fv;
     }
-    [[nodiscard]] Chord<E> planes() const { return between(fv, dv, v2); }
+    [[nodiscard]] Chord<E> planes() const { return chord_between(fv, dv, v2); }
     [[nodiscard]] E round(const E& r) const { return c - v2 * (r * r); }
     /// True if the line lies in the plane of a cap.
     [[nodiscard]] bool is_in_plane() const { return sign(dv) == 0 && (sign(fv) == 0 || sign(v2 - fv) == 0); }
@@ -127,7 +127,8 @@ template <class E>
 First<E> meet_box(const ObjectProblem<E>& q) {
     const E o[3] = {q.o.x, q.o.y, q.o.z}, d[3] = {q.d.x, q.d.y, q.d.z};
     Chord<E> inside = all_of_it<E>();
-    for (std::size_t i = 0; i < 3; ++i) inside = common(inside, between(o[i] - q.n[i], d[i], q.n[i + 3] - q.n[i]));
+    for (std::size_t i = 0; i < 3; ++i)
+        inside = intersect_chords(inside, chord_between(o[i] - q.n[i], d[i], q.n[i + 3] - q.n[i]));
     return first_of_all(inside, q.counted);
 }
 
@@ -149,14 +150,14 @@ First<E> meet_ellipsoid(const ObjectProblem<E>& q) {
     const Vector<E> w{y * z, z * x, x * y}, g = q.o - q.point(0);
     const Vector<E> f{w.x * g.x, w.y * g.y, w.z * g.z}, d{w.x * q.d.x, w.y * q.d.y, w.z * q.d.z};
     const E r = x * w.x;
-    return first_end(below<E>(all_of_it<E>(), dot(d, d), dot(f, d), dot(f, f) - r * r), q.counted);
+    return first_end(chord_below<E>(all_of_it<E>(), dot(d, d), dot(f, d), dot(f, f) - r * r), q.counted);
 }
 
 template <class E>
 First<E> meet_cylinder(const ObjectProblem<E>& q) {
     const AlongAxis<E> axis(q, q.point(0), q.point(3));
     const E c = axis.round(q.n[6]);
-    const Chord<E> inside = below(axis.planes(), axis.a, axis.h, c);
+    const Chord<E> inside = chord_below(axis.planes(), axis.a, axis.h, c);
     if (axis.is_in_plane() || is_nothing(axis.a, axis.h, c)) return first_of_all(inside, q.counted);
     return first_end(inside, q.counted);
 }
@@ -166,8 +167,8 @@ First<E> meet_capsule(const ObjectProblem<E>& q) {
     const E& r = q.n[6];
     const AlongAxis<E> axis(q, q.point(0), q.point(3));
     const E c = axis.round(r);
-    const Chord<E> ends = joined(ball(q, q.point(0), r), ball(q, q.point(3), r));
-    const Chord<E> inside = joined(ends, below(axis.planes(), axis.a, axis.h, c));
+    const Chord<E> ends = join_chords(ball(q, q.point(0), r), ball(q, q.point(3), r));
+    const Chord<E> inside = join_chords(ends, chord_below(axis.planes(), axis.a, axis.h, c));
     return is_nothing(axis.a, axis.h, c) ? first_of_all(inside, q.counted) : first_end(inside, q.counted);
 }
 
@@ -193,7 +194,7 @@ First<E> meet_cone(const ObjectProblem<E>& q) {
     const E k = q.n[7] - q.n[6], at_o = q.n[6] * axis.v2 + k * axis.fv, change = k * axis.dv;
     const E a = axis.v2 * axis.a - change * change, h = axis.v2 * axis.h - at_o * change;
     const E c = axis.v2 * axis.c - at_o * at_o;
-    const Chord<E> inside = below(axis.planes(), a, h, c);
+    const Chord<E> inside = chord_below(axis.planes(), a, h, c);
     if (axis.is_in_plane() || is_nothing(a, h, c)) return first_of_all(inside, q.counted);
     return first_end(inside, q.counted);
 }

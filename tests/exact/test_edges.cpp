@@ -49,8 +49,8 @@ void check_wholly(TruthRoute way, const std::vector<Problem>& problems) {
     ask(triangle.name, way, problems, answers);
     const Findings found = check(triangle, problems, answers, tightness_of(way), 10);
     INFO("way " << static_cast<int>(way) << ": " << words_of(found.fault) << "\n"
-                << paste(triangle, problems[found.first], answers[found.first]));
-    REQUIRE(found.differ == 0);
+                << paste(triangle, problems[found.first_wrong], answers[found.first_wrong]));
+    REQUIRE(found.wrong_count == 0);
 }
 
 Tally ask_rays(std::initializer_list<TruthRoute> ways, std::size_t rays, std::uint64_t seed) {

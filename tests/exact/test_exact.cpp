@@ -29,10 +29,10 @@ struct Tally {
         static std::vector<Answer> answers;
         ask(shape.name, way, problems, answers);
         const Findings found = check(shape, problems, answers, tightness_of(way), each_exactly);
-        ray_count += found.ray_count, hits += found.hits, exactly += found.exactly;
+        ray_count += found.ray_count, hits += found.hits, exactly += found.exact_count;
         INFO("way " << static_cast<int>(way) << ": " << words_of(found.fault) << "\n"
-                    << paste(shape, problems[found.first], answers[found.first]));
-        REQUIRE(found.differ == 0);
+                    << paste(shape, problems[found.first_wrong], answers[found.first_wrong]));
+        REQUIRE(found.wrong_count == 0);
     }
 };
 
@@ -142,7 +142,7 @@ TEST_CASE("exact: nothing is hit under a singular matrix", "[exact]") {
             ask(shape.name, TruthRoute::one_by_one, problems, answers);
             INFO(shape.name);
             CHECK(std::ranges::count(answers, true, &Answer::hit) == 0);
-            CHECK(check(shape, problems, answers, 0x1p-72, 1).differ == 0);
+            CHECK(check(shape, problems, answers, 0x1p-72, 1).wrong_count == 0);
         }
 }
 
@@ -155,7 +155,7 @@ TEST_CASE("exact: an open range end at infinity excludes no hit of a ray along t
     for (const TruthRoute way : {TruthRoute::doubles, TruthRoute::one_by_one, TruthRoute::interface}) {
         ask("cone", way, problems, answers);
         CHECK(std::ranges::count(answers, true, &Answer::hit) == 2);
-        CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).differ == 0);
+        CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).wrong_count == 0);
     }
 }
 
@@ -169,7 +169,7 @@ TEST_CASE("exact: a ray that nearly passes through the apex of a cone enters it 
         ask("cone", way, problems, answers);
         CHECK(answers.front().hit);
         CHECK(answers.front().low > 0);
-        CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).differ == 0);
+        CHECK(check(shapes[7], problems, answers, 0x1p-72, 1).wrong_count == 0);
     }
 }
 
@@ -197,7 +197,7 @@ TEST_CASE("exact: entries of a box are distinguished where their products underf
     for (const TruthRoute way : {TruthRoute::doubles, TruthRoute::one_by_one}) {
         ask("box", way, problems, answers);
         CHECK(std::ranges::count(answers, true, &Answer::hit) == 20'000);
-        CHECK(check(shapes[1], problems, answers, tightness_of(way), 1).differ == 0);
+        CHECK(check(shapes[1], problems, answers, tightness_of(way), 1).wrong_count == 0);
     }
 }
 
@@ -210,10 +210,10 @@ TEST_CASE("exact: a slightly wrong answer is detected, quickly and exactly", "[e
             std::vector<Problem> problems(shape.name == "torus" ? 500 : 2000);
             (made ? draw_made : draw_random)(shape, false, {}, chance, problems);
             ask(shape.name, TruthRoute::doubles, problems, answers);
-            const auto differ = [&](const auto& spoil, std::size_t exactly) {
+            const auto count_wrong = [&](const auto& spoil, std::size_t exactly) {
                 std::vector<Answer> spoilt = answers;
                 for (Answer& a : spoilt) spoil(a);
-                return check(shape, problems, spoilt, 0x1p-72, exactly).differ;
+                return check(shape, problems, spoilt, 0x1p-72, exactly).wrong_count;
             };
             const auto count = [&](const auto& is) {
                 return static_cast<std::size_t>(std::ranges::count_if(answers, is));
@@ -224,13 +224,13 @@ TEST_CASE("exact: a slightly wrong answer is detected, quickly and exactly", "[e
             INFO(shape.name << (made ? ", made" : ", random"));
             REQUIRE(floats > 100);
             for (const std::size_t exactly : {std::size_t{1}, problems.size() + 1}) {
-                CHECK(differ([](Answer&) {}, exactly) == 0);
-                CHECK(differ([](Answer& a) { a.hit = !a.hit; }, exactly) == problems.size());
-                CHECK(differ([](Answer& a) { a.low += 0x1p-71 * a.high; }, exactly) == away);
-                CHECK(differ([](Answer& a) { a.bound = 0x1p-71 * a.high; }, exactly) == away);
-                CHECK(differ([](Answer& a) { a.as_double = std::nextafter(a.as_double, 0); }, exactly) == doubles);
-                CHECK(differ([](Answer& a) { a.as_float = std::nextafter(static_cast<float>(a.as_float), 0.0F); },
-                             exactly) == floats);
+                CHECK(count_wrong([](Answer&) {}, exactly) == 0);
+                CHECK(count_wrong([](Answer& a) { a.hit = !a.hit; }, exactly) == problems.size());
+                CHECK(count_wrong([](Answer& a) { a.low += 0x1p-71 * a.high; }, exactly) == away);
+                CHECK(count_wrong([](Answer& a) { a.bound = 0x1p-71 * a.high; }, exactly) == away);
+                CHECK(count_wrong([](Answer& a) { a.as_double = std::nextafter(a.as_double, 0); }, exactly) == doubles);
+                CHECK(count_wrong([](Answer& a) { a.as_float = std::nextafter(static_cast<float>(a.as_float), 0.0F); },
+                                  exactly) == floats);
             }
         }
 }

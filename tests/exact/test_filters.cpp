@@ -95,7 +95,7 @@ struct CheckedForm {
         }
     }
     [[nodiscard]] std::string words_of_first(const ShapeTest& shape, const Findings& f) const {
-        return std::string(words_of(f.fault)) + "\n" + paste(shape, problems[f.first], answers[f.first]);
+        return std::string(words_of(f.fault)) + "\n" + paste(shape, problems[f.first_wrong], answers[f.first_wrong]);
     }
 };
 
@@ -168,9 +168,9 @@ Tally ask_all(const Intersector& form, const ShapeTest& shape, std::size_t rays,
         const CheckedForm all(form, sizeof(F) == 4 ? binary32 : binary64, problems,
                               ask<F>(kernel_of<F>(form, Isa::scalar), problems, primitives));
         const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 200);
-        if (tally.wrong == 0 && f.differ > 0) tally.first = all.words_of_first(shape, f);
+        if (tally.wrong == 0 && f.wrong_count > 0) tally.first = all.words_of_first(shape, f);
         tally.hits += all.hits, tally.endless += all.endless;
-        tally.wrong += f.differ, tally.ray_count += problems.size();
+        tally.wrong += f.wrong_count, tally.ray_count += problems.size();
         for (std::size_t i = 0; i < problems.size(); i += 16) tally.differ += differing<F>(form, problems[i]);
     }
     return tally;
@@ -285,7 +285,7 @@ TEST_CASE("exact: a filter's formula alone gives wrong answers", "[exact][filter
             });
         }
         INFO(form.info->name);
-        CHECK(check(shape, problems, answers, HUGE_VAL, 200).differ > 0);
+        CHECK(check(shape, problems, answers, HUGE_VAL, 200).wrong_count > 0);
     });
 }
 
@@ -310,7 +310,7 @@ TEST_CASE("exact: filters decide right and keep their bits in p16 and fp16", "[e
             const Findings f = check(shape, all.problems, all.answers, HUGE_VAL, 20);
             INFO(form.info->name << " in " << name << ": " << all.problems.size() << " rays, " << all.hits << " hits; "
                                  << all.words_of_first(shape, f));
-            CHECK(f.differ == 0);
+            CHECK(f.wrong_count == 0);
             CHECK(all.hits > all.problems.size() / 20);
             CHECK(all.problems.size() > batch / 4);
         });

@@ -300,10 +300,10 @@ TEST_CASE("exact: every form is right when nothing is rounded", "[exact][forms]"
                     if (is_requested(*form.info, shape, problem, all == &made)) ask(form, shape, problem, tally);
             if (tally.ray_count == 0) continue;
             const Findings f = check(shape, tally.problems, tally.answers, 1, 50);
-            INFO(form.info->name << ": asked " << tally.ray_count << ", hits " << tally.hits << "; differ " << f.differ
-                                 << " " << words_of(f.fault) << "\n"
-                                 << paste(shape, tally.problems[f.first], tally.answers[f.first]));
-            CHECK(f.differ == 0);
+            INFO(form.info->name << ": asked " << tally.ray_count << ", hits " << tally.hits << "; differ "
+                                 << f.wrong_count << " " << words_of(f.fault) << "\n"
+                                 << paste(shape, tally.problems[f.first_wrong], tally.answers[f.first_wrong]));
+            CHECK(f.wrong_count == 0);
             // The two lists have 2 count problems. Half of them are hits; for forms that see one side of a triangle,
             // half of these.
             CHECK(tally.ray_count > count * 3 / 4);

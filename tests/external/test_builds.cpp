@@ -124,9 +124,9 @@ TEST_CASE("plugin: commands in claims, pages and JUnit can be pasted", "[externa
     std::filesystem::create_directory(folder.path() / "my scenes");
     std::filesystem::copy_file(std::string(LOSTBITS_DATA_DIR) + "/scenes/near-benign.toml",
                                folder.path() / "my scenes/mine.toml");
-    const std::string claims = folder.write("my scenes/claims.toml",
-                                            make_claim_file({{"by-map", "scene = \"mine.toml\"\n" + tested("odd.right"),
-                                                              metric_in("false_miss_fraction", "[0.5, 0.6]")}}));
+    const std::string claims = folder.write(
+        "my scenes/claims.toml", make_claim_file({{"by-map", "scene = \"mine.toml\"\n" + form_keys("odd.right"),
+                                                   metric_keys("false_miss_fraction", "[0.5, 0.6]")}}));
     const Outcome checked =
         run("check '" + claims + "' --junit junit.xml --export-json claims.json" + plugin("odd_plugin"), folder.path());
     CHECK(checked.code == 1);

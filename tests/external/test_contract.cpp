@@ -155,16 +155,16 @@ std::set<std::string> subjects_of(const std::map<std::string, std::string>& brok
 
 /// Changes the t of every hit.
 template <class Change>
-Solves with_t(const Change& change) {
+Solver with_t(const Change& change) {
     return [change](const Ray<double>& ray, const Primitive<double>& primitive) {
-        const Found t = right(ray, primitive);
-        return t ? Found(change(*t, ray)) : t;
+        const AnswerT t = right(ray, primitive);
+        return t ? AnswerT(change(*t, ray)) : t;
     };
 }
 
 /// Returns the answers for a sphere of another radius.
 template <class Change>
-Solves with_radius(const Change& change) {
+Solver with_radius(const Change& change) {
     return [change](const Ray<double>& ray, const Primitive<double>& primitive) {
         Primitive<double> other = primitive;
         other.numbers[3] = change(primitive.numbers[3]);
@@ -177,7 +177,7 @@ Solves with_radius(const Change& change) {
 TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not blamed on the direction",
           "[external]") {
     const std::set<std::string> t{"t"};
-    const auto broken_sphere = [](const Solves& solves) { return broken_of(make_form(Shape::sphere, solves)); };
+    const auto broken_sphere = [](const Solver& solves) { return broken_of(make_form(Shape::sphere, solves)); };
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return 3 * x; }))) == t);
     CHECK(subjects_of(broken_sphere(with_t([](double x, const auto&) { return x + 1; }))) == t);
     CHECK(subjects_of(broken_sphere(with_t([](double, const auto&) { return 5.0; }))) == t);
@@ -197,7 +197,7 @@ TEST_CASE("contract: one mistake in t has one explanation, and a halved t is not
 }
 
 TEST_CASE("contract: twice a radius and its square are told apart", "[external]") {
-    const auto words = [](const Solves& solves) { return broken_of(make_form(Shape::sphere, solves)).at("t"); };
+    const auto words = [](const Solver& solves) { return broken_of(make_form(Shape::sphere, solves)).at("t"); };
     CHECK(words(with_radius([](double r) {
               return 2 * r;
           })).starts_with("the form doubles the radius (does it compute a diameter?)"));
@@ -244,12 +244,12 @@ TEST_CASE("contract: a NaN answer comes with advice on how to mark a miss", "[ex
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
     const auto never = broken_of(make_form(
-        Shape::sphere, [](R ray, S primitive) { return right(ray, primitive) ? Found(std::nan("")) : Found(); }));
+        Shape::sphere, [](R ray, S primitive) { return right(ray, primitive) ? AnswerT(std::nan("")) : AnswerT(); }));
     REQUIRE(never.contains("t"));
     CHECK(never.at("t").starts_with("t is not a number"));
     const auto for_a_miss = broken_of(make_form(Shape::sphere, [](R ray, S primitive) {
-        const Found t = right(ray, primitive);
-        return t ? t : Found(std::nan(""));
+        const AnswerT t = right(ray, primitive);
+        return t ? t : AnswerT(std::nan(""));
     }));
     REQUIRE(for_a_miss.contains("aside"));
     CHECK(for_a_miss.at("aside").starts_with("a ray that passes by hits with a t that is not a number; set hit to 0"));
@@ -259,7 +259,7 @@ TEST_CASE("contract: a surface at the origin is tested from the sides that can b
     for (const Shape shape : {Shape::triangle, Shape::disc, Shape::plane}) {
         const auto one_sided =
             broken_of(make_form(shape, [](const Ray<double>& ray, const Primitive<double>& primitive) {
-                return ray.direction.z < 0 ? Found() : right(ray, primitive);
+                return ray.direction.z < 0 ? AnswerT() : right(ray, primitive);
             }));
         INFO(row_of(shape).name);
         CHECK(subjects_of(one_sided) == std::set<std::string>{"facing"});
@@ -306,8 +306,8 @@ Observation edges_of(const ForeignForm& form) {
 template <class Near>
 ForeignForm losing(Shape shape, const Near& near) {
     return make_form(shape, [near](const Ray<double>& ray, const Primitive<double>& primitive) {
-        const Found t = right(ray, primitive);
-        return t && near(ray.origin + *t * ray.direction, primitive) ? Found() : t;
+        const AnswerT t = right(ray, primitive);
+        return t && near(ray.origin + *t * ray.direction, primitive) ? AnswerT() : t;
     });
 }
 
@@ -358,8 +358,8 @@ TEST_CASE("contract: the first scale that fails is named", "[external]") {
     using enum Observation::Verdict;
     for (const Shape shape : {Shape::capsule, Shape::disc, Shape::triangle, Shape::torus}) {
         const auto with_epsilon = [](const Ray<double>& ray, const Primitive<double>& primitive) {
-            const Found t = right(ray, primitive);
-            return t && *t < 0x1p-40 ? Found() : t;
+            const AnswerT t = right(ray, primitive);
+            return t && *t < 0x1p-40 ? AnswerT() : t;
         };
         const Observation found = edges_of(make_form(shape, with_epsilon));
         INFO(row_of(shape).name << ": " << found.text);

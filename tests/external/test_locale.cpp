@@ -18,8 +18,8 @@ namespace {
 
 const std::string comma_library = std::string(LOSTBITS_LIBRARIES) + "/comma.so";
 
-const std::string claims = make_claim_file({{"comma", "scene = \"camera-inside\"\n" + tested("sphere.unit_half_b"),
-                                             metric_in("false_miss_fraction", "[0.5, 1.5]")}});
+const std::string claims = make_claim_file({{"comma", "scene = \"camera-inside\"\n" + form_keys("sphere.unit_half_b"),
+                                             metric_keys("false_miss_fraction", "[0.5, 1.5]")}});
 
 /// Numbers that are read digit by digit, in plain text and as hex floats; a comma inside would end a cell.
 const std::string rays =

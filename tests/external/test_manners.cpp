@@ -25,8 +25,8 @@ const std::string library = std::string(LOSTBITS_LIBRARIES) + "/ill_mannered.so"
 /// A claim about the library's form, which holds or does not.
 std::string claims(const Scratch& folder, bool holds) {
     return folder.write("claims.toml",
-                        make_claim_file({{"a", "scene = \"near-benign\"\n" + tested("ill.right"),
-                                          metric_in("false_miss_fraction", holds ? "[0.0, 0.01]" : "[0.5, 0.6]")}}));
+                        make_claim_file({{"a", "scene = \"near-benign\"\n" + form_keys("ill.right"),
+                                          metric_keys("false_miss_fraction", holds ? "[0.0, 0.01]" : "[0.5, 0.6]")}}));
 }
 
 /// The processes that have this text in their environment, in order of their start.

@@ -28,7 +28,7 @@ int shell(const Scratch& made, const std::string& command) {
 }
 
 /// `23.4 bits, no wrong decision`: what `mend` promises of the change before this place of its text.
-std::string promised(const std::string& said, std::size_t patch) {
+std::string find_promise(const std::string& said, std::size_t patch) {
     const std::string mark = "it keeps ";
     const std::size_t at = said.rfind(mark, patch);
     REQUIRE(at != std::string::npos);
@@ -64,7 +64,7 @@ std::size_t check_patches(const std::string& file, const std::string& function, 
         CHECK(rows[0].at("false_hit") == "0");
         CHECK(rows[0].at("false_miss") == "0");
         const std::string own = must("mend " + request + words, made.path() / folder).out;
-        CHECK(own.find(" keeps " + promised(said, at) + ".\n") != std::string::npos);
+        CHECK(own.find(" keeps " + find_promise(said, at) + ".\n") != std::string::npos);
     }
     return count;
 }

@@ -122,8 +122,8 @@ TEST_CASE("plugin: other commands accept its forms too", "[external]") {
     CHECK_FALSE(has(page, "\"title\":\"\""));
     const Outcome listed = run("list intersectors" + with, folder.path());
     CHECK(has(listed.out, "odd.predicate"));
-    folder.write("claims.toml", make_claim_file({{"right", "scene = \"near-benign\"\n" + tested("odd.right"),
-                                                  metric_in("false_miss_fraction", "[0, 0]")}}));
+    folder.write("claims.toml", make_claim_file({{"right", "scene = \"near-benign\"\n" + form_keys("odd.right"),
+                                                  metric_keys("false_miss_fraction", "[0, 0]")}}));
     must("check claims.toml" + with, folder.path());
 }
 

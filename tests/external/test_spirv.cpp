@@ -24,7 +24,7 @@ const std::string& folder = functions_folder;
 void shell(const std::string& command) { REQUIRE(std::system(command.c_str()) == 0); }
 
 /// Compiles a file to SPIR-V as a user would, in a fragment shader.
-std::string compiled(const Scratch& made, const std::string& glsl, const std::string& options) {
+std::string compile_to_spirv(const Scratch& made, const std::string& glsl, const std::string& options) {
     std::ofstream(made.path() / "own.frag") << glsl;
     const std::string to = made.path().string() + "/own.spv";
     shell("cd " + made.path().string() + " && glslangValidator -V --keep-uncalled " + options + " -o " + to +
@@ -96,15 +96,15 @@ TEST_CASE("spirv: the culprit is a line and a column of the user's file", "[exte
     CHECK(unblamed.find("features.glsl:") == std::string::npos);
     // A SPIR-V file names lines of its source if it has them, and otherwise lines of its assembly.
     const Scratch made;
-    const std::string with = run_explain(compiled(made, sphere, "-g") + ":ball", "ball");
+    const std::string with = run_explain(compile_to_spirv(made, sphere, "-g") + ":ball", "ball");
     CHECK(with.find("own.frag:5:41\n 5 |     float b = dot(f, rd), c = dot(f, f) - s.w * s.w;") != std::string::npos);
     // Newer debug information has the same names, and lines without columns.
-    const std::string newer = run_explain(compiled(made, sphere, "-gV") + ":ball", "ball");
+    const std::string newer = run_explain(compile_to_spirv(made, sphere, "-gV") + ":ball", "ball");
     CHECK(newer.find("own.frag:5") != std::string::npos);
-    compiled(made, sphere, "-g");
+    compile_to_spirv(made, sphere, "-g");
     shell("spirv-opt --strip-debug " + made.path().string() + "/own.spv -o " + made.path().string() + "/none.spv");
     CHECK(find_refusal(made.path().string() + "/none.spv:ball").find("has no function") != std::string::npos);
-    const std::string without = run_explain(compiled(made, sphere, "") + ":ball", "ball");
+    const std::string without = run_explain(compile_to_spirv(made, sphere, "") + ":ball", "ball");
     CHECK(without.find(" = OpFSub %float ") != std::string::npos);
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("spirv: what cannot be followed is refused with its place", "[external
 
 TEST_CASE("spirv: damaged SPIR-V and GLSL give a sentence", "[external]") {
     const Scratch made;
-    const std::string spirv = compiled(made, sphere, "-g");
+    const std::string spirv = compile_to_spirv(made, sphere, "-g");
     const std::string own = made.path().string() + "/own.spvasm";
     shell("spirv-dis --no-color --no-header -o " + own + " " + spirv);
     const std::string whole = contents(own), binary = contents(spirv);

@@ -18,18 +18,18 @@ namespace lostbits::test {
 using intersect::external::Contract;
 using intersect::external::ForeignForm;
 
-using Found = std::optional<double>;
-using Solves = std::function<Found(const Ray<double>&, const Primitive<double>&)>;
+using AnswerT = std::optional<double>;
+using Solver = std::function<AnswerT(const Ray<double>&, const Primitive<double>&)>;
 
 /// Right answer for a closed primitive: its first t >= 0.
-inline Found right(const Ray<double>& ray, const Primitive<double>& primitive) {
+inline AnswerT right(const Ray<double>& ray, const Primitive<double>& primitive) {
     const auto truth = measure::truth::find_truth(ray, primitive);
     if (!truth.is_hit()) return {};
     return std::ldexp(truth.t.hi, static_cast<int>(truth.t.exponent));
 }
 
 /// A function of one ray as a form that returns the first root.
-inline ForeignForm make_form(Shape shape, const Solves& solve) {
+inline ForeignForm make_form(Shape shape, const Solver& solve) {
     Contract contract{.name = "made." + std::string(row_of(shape).name), .title = {}, .source = {}, .shape = shape};
     contract.bits = 64;
     contract.roots = intersect::Roots::first_only;
@@ -40,7 +40,7 @@ inline ForeignForm make_form(Shape shape, const Solves& solve) {
                     Primitive<double> primitive(shape);
                     std::copy_n(static_cast<const double*>(batch.primitives) + batch.primitive_stride * i,
                                 primitive.shape_numbers().size(), primitive.numbers.begin());
-                    const Found t = solve({{r[0], r[1], r[2]}, {r[3], r[4], r[5]}}, primitive);
+                    const AnswerT t = solve({{r[0], r[1], r[2]}, {r[3], r[4], r[5]}}, primitive);
                     batch.hit[i] = t ? 1 : 0;
                     static_cast<double*>(batch.near_far)[2 * i] = t.value_or(0);
                 }
@@ -71,7 +71,7 @@ inline Vec<double> exchange_y_and_z(const Vec<double>& v) { return {v.x, v.z, v.
 /// One mistake.
 struct Mistake {
     std::string name;
-    Solves solve;
+    Solver solve;
 };
 
 /// Mistakes that can be made for any shape.
@@ -82,36 +82,36 @@ inline std::vector<Mistake> make_common_mistakes() {
         return change_points(s, [&](const Vec<double>& p) { return p + by; });
     };
     return {
-        {"never hits", [](R, S) { return Found(); }},
+        {"never hits", [](R, S) { return AnswerT(); }},
         {"a distance for t",
          [](R ray, S s) {
-             const Found t = right(ray, s);
-             return t ? Found(*t * length(ray.direction)) : t;
+             const AnswerT t = right(ray, s);
+             return t ? AnswerT(*t * length(ray.direction)) : t;
          }},
         {"t with the wrong sign",
          [](R ray, S s) {
-             const Found t = right(ray, s);
-             return t ? Found(-*t) : t;
+             const AnswerT t = right(ray, s);
+             return t ? AnswerT(-*t) : t;
          }},
         {"hits what lies behind",
          [](R ray, S s) {
-             const Found t = right(ray, s), behind = right({ray.origin, -ray.direction}, s);
-             return t ? t : behind ? Found(-*behind) : behind;
+             const AnswerT t = right(ray, s), behind = right({ray.origin, -ray.direction}, s);
+             return t ? t : behind ? AnswerT(-*behind) : behind;
          }},
         {"a hit at NaN for a miss",
          [](R ray, S s) {
-             const Found t = right(ray, s);
-             return t ? t : Found(std::nan(""));
+             const AnswerT t = right(ray, s);
+             return t ? t : AnswerT(std::nan(""));
          }},
         {"a least t of 1e-3",
          [](R ray, S s) {
-             const Found t = right(ray, s);
-             return t && *t < 1e-3 ? Found() : t;
+             const AnswerT t = right(ray, s);
+             return t && *t < 1e-3 ? AnswerT() : t;
          }},
         {"misses what is smaller than 1e-6",
          [](R ray, S s) {
-             const Found t = right(ray, s);
-             return t && *t < 1e-6 && *t > 0 ? Found() : t;
+             const AnswerT t = right(ray, s);
+             return t && *t < 1e-6 && *t > 0 ? AnswerT() : t;
          }},
         {"takes it to lie around the origin",
          [translate](R ray, S s) {
@@ -135,12 +135,12 @@ inline std::vector<Mistake> make_common_mistakes() {
          }},
         {"hits at 0 from anywhere",
          [](R ray, S s) {
-             const Found t = right(ray, s);
-             return t ? Found(0) : t;
+             const AnswerT t = right(ray, s);
+             return t ? AnswerT(0) : t;
          }},
         {"hits the ball around it in its place",
          [](R ray, S s) {
-             const Found t = right(ray, s);
+             const AnswerT t = right(ray, s);
              if (t) return t;
              const Sphere<double> ball = visit(s, [](const auto& one) { return one.ball_around(); });
              return right(ray, Primitive<double>(Sphere<double>{ball.centre, 1.25 * ball.radius}));
@@ -152,7 +152,7 @@ inline std::vector<Mistake> make_common_mistakes() {
 inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
     using R = const Ray<double>&;
     using S = const Primitive<double>&;
-    const auto on = [](auto change) { return Solves([change](R ray, S s) { return right(ray, change(s)); }); };
+    const auto on = [](auto change) { return Solver([change](R ray, S s) { return right(ray, change(s)); }); };
     /// The part of a primitive with an axis between `from` and `to` of its length.
     const auto stretched = [](S s, double from, double to) {
         Primitive<double> other = s;
@@ -169,11 +169,11 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
         {Shape::box,
          {"the near face from a face outwards",
           [](R ray, S s) {
-              const Found t = right(ray, s);
+              const AnswerT t = right(ray, s);
               const Box<double> box = s.box();
               for (int k = 0; k < 3; ++k)
                   if (t && *t == 0 && ray.origin[k] == box.lo[k] && ray.direction[k] < 0)
-                      return Found((box.hi[k] - box.lo[k]) / ray.direction[k]);
+                      return AnswerT((box.hi[k] - box.lo[k]) / ray.direction[k]);
               return t;
           }}},
         {Shape::box, {"no z", on([](S s) {
@@ -185,7 +185,7 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
          {"a parallelogram",
           [](R ray, S s) {
               const Triangle<double> t = s.triangle();
-              const Found one = right(ray, s);
+              const AnswerT one = right(ray, s);
               return one ? one : right(ray, Primitive<double>(Triangle<double>{t.b + t.c - t.a, t.c, t.b}));
           }}},
         {Shape::triangle,
@@ -193,7 +193,7 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
           [](R ray, S s) {
               const Triangle<double> t = s.triangle();
               return dot(cross(Vec<double>(t.b - t.a), Vec<double>(t.c - t.a)), ray.direction) == 0
-                         ? Found(std::nan(""))
+                         ? AnswerT(std::nan(""))
                          : right(ray, s);
           }}},
         {Shape::triangle,
@@ -201,7 +201,7 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
           [](R ray, S s) {
               const Triangle<double> t = s.triangle();
               const double det = dot(cross(Vec<double>(t.b - t.a), Vec<double>(t.c - t.a)), ray.direction);
-              return std::fabs(det) < 1e-12 ? Found() : right(ray, s);
+              return std::fabs(det) < 1e-12 ? AnswerT() : right(ray, s);
           }}},
         {Shape::disc, {"no hole", on([](S s) {
                            Primitive<double> other = s;
@@ -210,7 +210,7 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
                        })}},
         {Shape::disc,
          {"a hit at NaN in its plane",
-          [](R ray, S s) { return dot(s.disc().normal, ray.direction) == 0 ? Found(std::nan("")) : right(ray, s); }}},
+          [](R ray, S s) { return dot(s.disc().normal, ray.direction) == 0 ? AnswerT(std::nan("")) : right(ray, s); }}},
         {Shape::disc, {"the square of the radius", on([](S s) {
                            Primitive<double> other = s;
                            other.numbers[6] = std::sqrt(other.numbers[6]);
@@ -219,12 +219,14 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
         {Shape::plane,
          {"takes the normal for a unit one",
           [](R ray, S s) {
-              const Found t = right(ray, s);
-              return t ? Found(*t * length(s.plane().normal)) : t;
+              const AnswerT t = right(ray, s);
+              return t ? AnswerT(*t * length(s.plane().normal)) : t;
           }}},
         {Shape::plane,
          {"a hit at NaN beside it",
-          [](R ray, S s) { return dot(s.plane().normal, ray.direction) == 0 ? Found(std::nan("")) : right(ray, s); }}},
+          [](R ray, S s) {
+              return dot(s.plane().normal, ray.direction) == 0 ? AnswerT(std::nan("")) : right(ray, s);
+          }}},
         {Shape::ellipsoid, {"a sphere of its largest radius", on([](S s) {
                                 const Ellipsoid<double> e = s.ellipsoid();
                                 const double r = std::max({e.radii.x, e.radii.y, e.radii.z});
@@ -240,7 +242,7 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
         {Shape::cylinder,
          {"a hit at NaN along its axis",
           [](R ray, S s) {
-              return length(cross(Vec<double>(s.point(3) - s.point(0)), ray.direction)) == 0 ? Found(std::nan(""))
+              return length(cross(Vec<double>(s.point(3) - s.point(0)), ray.direction)) == 0 ? AnswerT(std::nan(""))
                                                                                              : right(ray, s);
           }}},
         {Shape::capsule, {"with flat ends", on(as_cylinder)}},
@@ -258,9 +260,9 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
               Primitive<double> endless = s;
               const Vec<double> v = tube.top - tube.bottom;
               endless.set_point(0, tube.bottom - 100.0 * v), endless.set_point(3, tube.top + 100.0 * v);
-              const Found t = right(ray, endless);
-              const Found own = right(ray, s);
-              return t && own && std::fabs(*t - *own) < 1e-9 ? own : Found();
+              const AnswerT t = right(ray, endless);
+              const AnswerT own = right(ray, s);
+              return t && own && std::fabs(*t - *own) < 1e-9 ? own : AnswerT();
           }}},
         {Shape::cone, {"with its ends exchanged", on([](S s) {
                            Primitive<double> other = s;
@@ -277,15 +279,15 @@ inline std::vector<std::pair<Shape, Mistake>> make_mistakes_of_shapes() {
         {Shape::torus,
          {"its outer wall alone",
           [](R ray, S s) {
-              Found t = right(ray, s);
+              AnswerT t = right(ray, s);
               Vec<double> o = ray.origin;
               double passed = 0;
               for (int i = 0; t && i < 4; ++i) {  // the last crossing
                   const double step = *t + 1e-9;
                   passed += step;
                   o = o + step * ray.direction;
-                  const Found next = right({o, ray.direction}, s);
-                  if (!next) return Found(passed);
+                  const AnswerT next = right({o, ray.direction}, s);
+                  if (!next) return AnswerT(passed);
                   t = next;
               }
               return t;

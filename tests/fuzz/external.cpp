@@ -112,12 +112,12 @@ void fuzz_plugin(std::string_view bytes) {
     form.flags = static_cast<unsigned>(numbers[6]);
     form.run = bytes.size() > numbers.size() ? nullptr : +[](const lb_batch*) -> const char* { return nullptr; };
     answer_or_error([&] {
-        const std::vector<intersect::external::Contract> told{
+        const std::vector<intersect::external::Contract> contracts{
             intersect::external::read_form_contract(form, "a library")};
-        const std::string header = intersect::external::make_pipe_header(told);
+        const std::string header = intersect::external::make_pipe_header(contracts);
         std::vector<std::string> lines;
         for (std::string_view rest = header; rest.size() > 1;) lines.push_back(take_line(rest));
-        if (intersect::external::read_pipe_header(lines, "a pipe") != told)
+        if (intersect::external::read_pipe_header(lines, "a pipe") != contracts)
             throw std::logic_error("a contract is another one behind a pipe");
     });
 }

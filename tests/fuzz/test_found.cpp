@@ -36,7 +36,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 }
 
 /// Up to four changes: a changed byte, a piece left out, a piece repeated.
-std::string changed(std::string bytes, scene::rays::Random& random) {
+std::string change_bytes(std::string bytes, scene::rays::Random& random) {
     for (int changes = 1 + random.below(4); changes > 0 && !bytes.empty(); --changes) {
         const auto at = static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())));
         const auto length = static_cast<std::size_t>(1 + random.below(40));
@@ -79,7 +79,7 @@ TEST_CASE("every seed of the fuzzers is read or refused, also with some bytes ch
             INFO(file);
             CHECK_NOTHROW(target.run(bytes));
             for (std::size_t i = 0; i < changed_seeds / seeds.size() + 1; ++i) {
-                const std::string other = changed(bytes, random);
+                const std::string other = change_bytes(bytes, random);
                 INFO(other);
                 REQUIRE_NOTHROW(target.run(other));
             }

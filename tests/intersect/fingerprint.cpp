@@ -29,7 +29,7 @@ struct Sample {
 };
 
 template <class T>
-T scaled(T x, int exponent) {
+T scale(T x, int exponent) {
     return std::ldexp(x, exponent);
 }
 
@@ -43,9 +43,9 @@ Sample<T> draw(Random& random, int kind, bool unit) {
     Vec<T> towards{in(), in(), in()}, side{in(), in(), in()}, centre{in(), in(), in()};
     T away = T(3 + 4 * random.unit()), off = T(1.3 * random.unit());
     if (kind == 1) away = T(1e5);
-    if (kind == 2) off = 1 + scaled(in(), sizeof(T) == 4 ? -18 : -46);               // grazing
-    if (kind == 3) radius = scaled(radius, 20), away = T(1 + random.unit() / 4096);  // huge, the eye just above
-    if (kind == 4) away = T(random.unit() / 2);                                      // inside
+    if (kind == 2) off = 1 + scale(in(), sizeof(T) == 4 ? -18 : -46);               // grazing
+    if (kind == 3) radius = scale(radius, 20), away = T(1 + random.unit() / 4096);  // huge, the eye just above
+    if (kind == 4) away = T(random.unit() / 2);                                     // inside
     const auto normalised = [](const Vec<T>& v) {
         const T length = lostbits::sqrt(dot(v, v));
         return Vec<T>(v.x / length, v.y / length, v.z / length);
@@ -67,8 +67,8 @@ Sample<T> draw(Random& random, int kind, bool unit) {
         direction = normalised(direction);
         turn = 0;
     }
-    const auto move = [](const Vec<T>& v, int e) { return Vec<T>(scaled(v.x, e), scaled(v.y, e), scaled(v.z, e)); };
-    return {{move(origin, shift), move(direction, turn)}, {move(centre, shift), scaled(radius, shift)}};
+    const auto move = [](const Vec<T>& v, int e) { return Vec<T>(scale(v.x, e), scale(v.y, e), scale(v.z, e)); };
+    return {{move(origin, shift), move(direction, turn)}, {move(centre, shift), scale(radius, shift)}};
 }
 
 template <class T>
@@ -97,11 +97,11 @@ BoxSample<T> draw_box(Random& random, int kind) {
     if (kind == 3 || kind == 4) direction[axis] = zero();
     if (kind == 4) origin[axis] = random.one_in(2) ? lo[axis] : hi[axis];
     if (kind == 5) hi[axis] = lo[axis];
-    if (kind == 6) direction[axis] = scaled(direction[axis], -static_cast<int>(random.between(0, span + 50)));
+    if (kind == 6) direction[axis] = scale(direction[axis], -static_cast<int>(random.between(0, span + 50)));
     if (kind == 7) {
         const int shift = static_cast<int>(random.between(-span, span));
         for (Vec<T>* v : {&lo, &hi, &origin})
-            for (int i = 0; i < 3; ++i) (*v)[i] = scaled((*v)[i], shift);
+            for (int i = 0; i < 3; ++i) (*v)[i] = scale((*v)[i], shift);
     }
     return {{origin, direction}, {lo, hi}, tmax};
 }

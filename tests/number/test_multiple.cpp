@@ -75,9 +75,10 @@ TriedCounts try_volumes(const Bits& bits, std::size_t draws) {
                                                      [&](std::size_t k) { return directions.exact(k); }, zero);
         const Number nothing(0);
         const auto less = found < nothing, at_most = found <= nothing;
-        const bool told = less.yes() || less.no();
-        tried.wrong += told != (found.running().radius() < HUGE_VAL) || told != (at_most.yes() || at_most.no());
-        if (!told) continue;
+        const bool is_decided = less.yes() || less.no();
+        tried.wrong +=
+            is_decided != (found.running().radius() < HUGE_VAL) || is_decided != (at_most.yes() || at_most.no());
+        if (!is_decided) continue;
         ++tried.known;
         const auto words = found.running().words();
         tried.wrong += !is_same(exact, Interval(words.hi) + Interval(words.lo));

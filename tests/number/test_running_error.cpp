@@ -202,7 +202,7 @@ template <class N>
 void comparisons_hold() {
     const Interval::Precision precision(exact_bits);
     Random random(42);
-    std::size_t wrong = 0, told = 0, products = 0;
+    std::size_t wrong = 0, decided_count = 0, products = 0;
     const std::size_t all = draws<std::size_t>(200'000);
     for (std::size_t i = 0; i < all; ++i) {
         const auto [a, b] = draw_two<N>(random);
@@ -210,7 +210,7 @@ void comparisons_hold() {
         const auto less = a.number < b.number;
         wrong += wrongly(less, a.exact < b.exact) + wrongly(a.number <= b.number, a.exact <= b.exact);
         wrong += wrongly(a.number > b.number, a.exact > b.exact) + wrongly(a.number >= b.number, a.exact >= b.exact);
-        told += less.yes() || less.no();
+        decided_count += less.yes() || less.no();
         // a d compared with b c: if c is nearly d, then a with b.
         const auto x = a.number * d.number, y = b.number * c.number;
         const Interval exact = a.exact * d.exact - b.exact * c.exact;
@@ -218,7 +218,7 @@ void comparisons_hold() {
         products += (x < y).yes() || (x < y).no();
     }
     CHECK(wrong == 0);
-    CHECK(told > all / 2);
+    CHECK(decided_count > all / 2);
     CHECK(products > all / 4);
 }
 

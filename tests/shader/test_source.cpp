@@ -29,13 +29,14 @@ private:
     lostbits::test::ScratchFile file_;
 };
 
-std::string joined(const Signature& signature) {
+std::string join_arguments(const Signature& signature) {
     std::string all;
     for (const std::string& a : signature.arguments) all += (all.empty() ? "" : " ") + a;
     return all;
 }
 
-std::string refused(const std::string& text, const std::string& words = "", const std::string& name = "mine.glsl") {
+std::string find_refusal(const std::string& text, const std::string& words = "",
+                         const std::string& name = "mine.glsl") {
     const File file(text, name);
     try {
         const ShaderSource taken = read_shader(file.path() + words);
@@ -87,7 +88,7 @@ TEST_CASE("shader: functions in the style of shader sites are recognised by thei
         const File file("// nothing else\n" + k.function + " { return 0; }\n");
         const ShaderSource shader = read_shader(file.path());
         INFO(k.function);
-        CHECK(joined(shader.signature) == k.arguments);
+        CHECK(join_arguments(shader.signature) == k.arguments);
         CHECK(shader.contract.shape == k.shape);
         CHECK(shader.contract.roots == k.roots);
         CHECK(shader.contract.direction == k.direction);
@@ -113,7 +114,8 @@ TEST_CASE("shader: parameters for primitives of every shape and for ranges are r
                             " { return 0.0; } // lostbits: roots=first flags=range");
             const ShaderSource shader = read_shader(file.path());
             CHECK(shader.signature.shape == row.shape);
-            CHECK(joined(shader.signature) == (last ? arguments + of_ray : of_ray + arguments) + "lb_tmin lb_tmax");
+            CHECK(join_arguments(shader.signature) ==
+                  (last ? arguments + of_ray : of_ray + arguments) + "lb_tmin lb_tmax");
             CHECK(shader.contract.flags == (LB_RANGE | LB_ONE_THREAD));
         }
     }
@@ -157,31 +159,34 @@ float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }
 
 TEST_CASE("shader: errors are reported with their place", "[shader]") {
     const std::string f = "float f(vec3 ro, vec3 rd, vec4 s) { return 1.0; }\n";
-    CHECK(has(refused("// x\n  // lostbits: roots=some\n" + f),
+    CHECK(has(find_refusal("// x\n  // lostbits: roots=some\n" + f),
               "mine.glsl:2:6: roots is \"some\"; it must be one of both"));
-    CHECK(has(refused("/* a\nlostbits: colour=red */" + f), "mine.glsl:2:1: unknown key \"colour\""));
-    CHECK(has(refused(f, ":g"), "no function \"g\" in "));
-    CHECK(has(refused(f, ":miss=sometimes"), "miss is \"sometimes\"; it must be negative"));
-    CHECK(has(refused(f + "vec2 g(vec3 ro, vec3 rd, vec4 s) { return vec2(1); }"), "several functions have the types"));
-    CHECK(has(refused("// nothing\n"), "mine.glsl: contains no function; write one, such as float f(vec3 ro"));
-    CHECK(has(refused("float noise(vec3 p) { return 1.0; }"), "no function has the types of an intersector"));
+    CHECK(has(find_refusal("/* a\nlostbits: colour=red */" + f), "mine.glsl:2:1: unknown key \"colour\""));
+    CHECK(has(find_refusal(f, ":g"), "no function \"g\" in "));
+    CHECK(has(find_refusal(f, ":miss=sometimes"), "miss is \"sometimes\"; it must be negative"));
+    CHECK(has(find_refusal(f + "vec2 g(vec3 ro, vec3 rd, vec4 s) { return vec2(1); }"),
+              "several functions have the types"));
+    CHECK(has(find_refusal("// nothing\n"), "mine.glsl: contains no function; write one, such as float f(vec3 ro"));
+    CHECK(has(find_refusal("float noise(vec3 p) { return 1.0; }"), "no function has the types of an intersector"));
+    CHECK(has(find_refusal("float noise(vec3 p) { return 1.0; }"),
+              "\n  float map(vec3 p)\nThe functions of the file are:\n"));
     CHECK(
-        has(refused("float noise(vec3 p) { return 1.0; }"), "\n  float map(vec3 p)\nThe functions of the file are:\n"));
-    CHECK(has(refused("float noise(float x) { return x; }", "", "mine.c"), "for C, C++ or Rust write --function "));
-    CHECK(has(refused("float g(vec2 p) { return 1.0; }", ":g"),
+        has(find_refusal("float noise(float x) { return x; }", "", "mine.c"), "for C, C++ or Rust write --function "));
+    CHECK(has(find_refusal("float g(vec2 p) { return 1.0; }", ":g"),
               "mine.glsl:1:7: `float g(vec2 p)` does not have the types"));
-    CHECK(has(refused("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
-    CHECK(has(refused("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"),
+    CHECK(has(find_refusal("float march(vec3 ro, vec3 rd[2], vec4 s) { return 1.0; }"), "no function has the types"));
+    CHECK(has(find_refusal("float map(vec3 p) { return 1.0; } // lostbits: hit_eps=-1"),
               "hit_eps is \"-1\"; it must be a number"));
-    CHECK(has(refused(f, ":roots=none,flags=clipped"), "clipped describes an interval, so it needs roots = both"));
+    CHECK(has(find_refusal(f, ":roots=none,flags=clipped"), "clipped describes an interval, so it needs roots = both"));
     const std::string range = ":roots=first,flags=range", told = "mine.glsl:1:7: flags=range is given, but `float ";
-    CHECK(has(refused(f, range),
+    CHECK(has(find_refusal(f, range),
               told + "f(vec3 ro, vec3 rd, vec4 s)` has no parameters for where rays begin and end; add"));
-    CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range),
+    CHECK(has(find_refusal("float f(vec3 ro, vec3 rd, vec4 s, float tmax) { return 1.0; }", range),
               "has no parameters for where rays"));
-    CHECK(has(refused("float f(vec3 ro, vec3 rd, vec4 s, float tmin) { return 1.0; }", range),
+    CHECK(has(find_refusal("float f(vec3 ro, vec3 rd, vec4 s, float tmin) { return 1.0; }", range),
               "has no parameters for where rays"));
-    CHECK(has(refused("float map(vec3 p, float tmin, float tmax) { return 1.0; }", range), "` is a field: the loop"));
+    CHECK(has(find_refusal("float map(vec3 p, float tmin, float tmax) { return 1.0; }", range),
+              "` is a field: the loop"));
     CHECK_THROWS_AS(read_shader("no-such-file.glsl"), InputError);
     CHECK_THROWS_AS(read_shader(std::filesystem::temp_directory_path().string()), InputError);
 }
@@ -262,11 +267,11 @@ TEST_CASE("shader: a megabyte of any text is read at once", "[shader]") {
     for (const char* part : {"lostbits:", "lostbits: ", "lostbits: a\n"}) {
         INFO(part);
         const std::clock_t begin = std::clock();
-        const std::string said = refused(hit + "/*" + many(part) + "*/");
+        const std::string said = find_refusal(hit + "/*" + many(part) + "*/");
         CHECK(said.size() < 10'000);
         CHECK((std::clock() - begin) / CLOCKS_PER_SEC < 20);
     }
-    const std::string said = refused(many("float a() {}\n"));
+    const std::string said = find_refusal(many("float a() {}\n"));
     CHECK(has(said, "and 76894 more"));
     CHECK(said.size() < 10'000);
 }

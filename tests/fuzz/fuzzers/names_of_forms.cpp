@@ -6,14 +6,14 @@ namespace lostbits::intersect::table {
 namespace {
 
 template <class... Form>
-std::vector<Intersector> named(FormList<Form...> /*list*/) {
+std::vector<Intersector> list_forms(FormList<Form...> /*list*/) {
     return {Intersector{.info = &Form::info, .shape = Shape::sphere}...};
 }
 
 }  // namespace
 
 std::span<const Intersector> intersectors() {
-    static const std::vector<Intersector> rows = named(sphere::SphereForms());
+    static const std::vector<Intersector> rows = list_forms(sphere::SphereForms());
     return rows;
 }
 

@@ -88,7 +88,7 @@ TEST_CASE("a form that culls back faces misses them, and declares it", "[interse
 }
 
 TEST_CASE("the weights that a form returns belong to the declared corners a, b and c", "[intersect][triangle]") {
-    std::map<std::string_view, int> told, wrong;
+    std::map<std::string_view, int> decided_counts, wrong;
     for_each_triangle(
         static_cast<int>(draws(3000)), [&](const TriangleDistribution& distribution, const TriangleSample& sample) {
             const TriangleAnswer right = answer_of(sample);
@@ -104,14 +104,14 @@ TEST_CASE("the weights that a form returns belong to the declared corners a, b a
                     if (name.empty()) continue;
                     const auto node = std::ranges::find(tape.nodes, name, &TapeNode::label);
                     const bool found = node != tape.nodes.end();
-                    ++told[info.name];
+                    ++decided_counts[info.name];
                     wrong[info.name] += !found || abs(Rational(node->value) - weights[k]) > Rational(1, 1 << 20);
                 }
             }
         });
     for (const Intersector& form : forms()) {
         INFO(form.info->name);
-        CHECK((told[form.info->name] > 100) == (form.info->name != "triangle.filtered"));
+        CHECK((decided_counts[form.info->name] > 100) == (form.info->name != "triangle.filtered"));
         CHECK(wrong[form.info->name] == 0);
     }
 }

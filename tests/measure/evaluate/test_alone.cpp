@@ -64,7 +64,7 @@ std::vector<FormSummary> judged(const std::vector<RayGroup>& rays, const std::ve
         for (const RayGroup& one : rays) column.push_back(one.primitives.front().numbers[k]);
         columns.add(column_names(shape)[k], column);
     }
-    const scene::test::ScratchRayFile file("own.bin", scene::test::as_bytes<float>(columns));
+    const scene::test::ScratchRayFile file("own.bin", scene::test::to_bytes<float>(columns));
     const auto ray_file = scene::ray_file::open_ray_file(file.path(), {.columns = columns.joined_names(":f32")});
     const auto show = [&](std::size_t row, const scene::ray_file::Chunk& chunk, const evaluate::BandResult& result) {
         for (std::size_t i = 0; i < chunk.size(); ++i) {

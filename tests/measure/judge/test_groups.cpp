@@ -38,7 +38,7 @@ TEST_CASE("the summary of a group is that of its rays alone") {
         Columns columns = make_ray_columns(some);
         add_answers(columns, of_some);
         columns.add("kind", own);
-        const scene::test::ScratchRayFile file("kinds.bin", scene::test::as_bytes<float>(columns));
+        const scene::test::ScratchRayFile file("kinds.bin", scene::test::to_bytes<float>(columns));
         const auto ray_file = scene::ray_file::open_ray_file(
             file.path(),
             {.columns = columns.joined_names(":f32"), .primitive = Shape::sphere, .keeps_own_columns = true});

@@ -45,7 +45,7 @@ void hold_map_and_judge(const char* scene_id, std::initializer_list<const char*>
         Columns columns = make_ray_columns(rays);
         add_answers(columns, answers);
         columns.add("object", {answers.primitive.begin(), answers.primitive.end()});
-        const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<double>(columns));
+        const scene::test::ScratchRayFile file("a.bin", scene::test::to_bytes<double>(columns));
         const auto ray_file = scene::ray_file::open_ray_file(
             file.path(),
             {.columns = columns.joined_names(":f64"), .format = row.format, .primitive = primitives.front().shape});
@@ -154,7 +154,7 @@ TEST_CASE("primitives of any kinds that are hit at the same t share the hit") {
     std::vector<double> objects;
     for (double k = 0; k <= last; ++k) objects.push_back(k);
     columns.add("object", objects);
-    const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<double>(columns));
+    const scene::test::ScratchRayFile file("a.bin", scene::test::to_bytes<double>(columns));
     const auto open = [&] {
         return scene::ray_file::open_ray_file(
             file.path(), {.columns = columns.joined_names(":f64"), .primitive = primitives.front().shape});
@@ -223,7 +223,7 @@ TEST_CASE("rays beyond the first 2^32 of a file keep their indices") {
     const scene::rays::RayGroup group = random_pairs(Shape::sphere, 2000, 8);
     const evaluate::TestedForm row = test::row("sphere.expanded", "f32");
     Columns columns = columns_of_pairs(group);
-    const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<float>(columns));
+    const scene::test::ScratchRayFile file("a.bin", scene::test::to_bytes<float>(columns));
     const auto judged = [&](bool late, judge::WorstRays& worst) {
         auto ray_file = scene::ray_file::open_ray_file(file.path(), {.columns = columns.joined_names(":f32")});
         if (late) ray_file = std::make_unique<scene::test::LateRayFile>(std::move(ray_file));
@@ -252,7 +252,7 @@ TEST_CASE("answers in a file are judged like those of the form, and the worst ra
     const auto inputs = band.inputs(row.format, {});
     const auto answers = answer::evaluate(*row.form, inputs);
     add_answers(columns, answers);
-    const scene::test::ScratchRayFile file("a.bin", scene::test::as_bytes<float>(columns));
+    const scene::test::ScratchRayFile file("a.bin", scene::test::to_bytes<float>(columns));
 
     const test::Threads limit(5);  // for four pieces
     const auto ray_file = scene::ray_file::open_ray_file(file.path(), {.columns = columns.joined_names(":f32")});

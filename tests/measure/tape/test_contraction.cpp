@@ -91,7 +91,7 @@ namespace {
 
 /// Answer of compiled code for one ray.
 template <class F>
-Hit<double> compiled(EvaluatePlain<F> ask, const Setting& setting) {
+Hit<double> evaluate_compiled(EvaluatePlain<F> ask, const Setting& setting) {
     const auto &o = setting.ray.origin, &d = setting.ray.direction;
     std::vector<F> in;
     for (const double x : {o.x, o.y, o.z, d.x, d.y, d.z}) in.push_back(static_cast<F>(x));
@@ -110,7 +110,7 @@ int differing(const Intersector& form, const Format& format, EvaluatePlain<F> as
     int apart = 0;
     for (int i = 0; i < count; ++i) {
         const Setting s = draw_setting(random, form, format, i % 3 == 0 ? 1000 : 2);
-        apart += !same_answer(plain(row, format, s), compiled(ask, s));
+        apart += !same_answer(plain(row, format, s), evaluate_compiled(ask, s));
     }
     return apart;
 }

@@ -87,7 +87,7 @@ TEST_CASE("scaled_difference overflows to infinity and underflows to zero with i
 
 TEST_CASE("compare answers only where both bounds allow it, and always where they are disjoint") {
     Seeded rng(12);
-    int told = 0, value_of = 0;
+    int decided_count = 0, value_of = 0;
     for (int i = 0; i < 200'000; ++i) {
         const CertifiedNumber x = any_certified(rng, 3);
         CertifiedNumber y = rng.index(3) == 0 ? any_certified(rng, 3) : close_to(rng, x);
@@ -102,9 +102,9 @@ TEST_CASE("compare answers only where both bounds allow it, and always where the
         const Dyadic sum = Dyadic(x.bound).scaled(x.exponent) + Dyadic(y.bound).scaled(y.exponent);
         const Dyadic bounds = sum.scaled(1) + Dyadic(1.0).scaled(-990);
         if (order == 0 && compare(gap * gap, bounds * bounds) > 0) FAIL("says nothing");
-        ++(order == 0 ? value_of : told);
+        ++(order == 0 ? value_of : decided_count);
     }
-    CHECK(told > 10'000);
+    CHECK(decided_count > 10'000);
     CHECK(value_of > 1'000);
 }
 

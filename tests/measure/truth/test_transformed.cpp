@@ -24,7 +24,7 @@ Matrix rows_of(const Vec<double>& a, const Vec<double>& b, const Vec<double>& c,
 }
 
 /// A ray from outside, aimed near a point of the primitive.
-Ray<double> aimed(Seeded& r, const Transform<double>& transform, const Vec<double>& at) {
+Ray<double> draw_aimed_ray(Seeded& r, const Transform<double>& transform, const Vec<double>& at) {
     const Vec<double> from = r.vec(-8, 8), near = at + r.vec(-3, 3);
     const Affine<double> m = transform.map();
     if (!transform.is_inverse) return {m.point(near) + from, -from};
@@ -52,7 +52,7 @@ TEST_CASE("packs decide most rays at transformed primitives, as single rays do")
         rays.width = 4500, rays.y1 = 1;
         while (rays.size() < 4500) {
             const Primitive<double>& at = primitives[rays.size() % 3];
-            const Ray<double> ray = aimed(r, *at.transform, at.point(0));
+            const Ray<double> ray = draw_aimed_ray(r, *at.transform, at.point(0));
             rays.push({test::stored(ray.origin, binary32), test::stored(ray.direction, binary32)});
         }
         const scene::rays::PrimitiveList<double> list(primitives);

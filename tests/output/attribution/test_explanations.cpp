@@ -137,7 +137,7 @@ void on_explained_rays(int rays, std::uint64_t seed, const See& see) {
     }
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
+std::vector<std::string> split_lines(const std::string& text) {
     std::vector<std::string> lines;
     std::istringstream in(text);
     for (std::string line; std::getline(in, line);) lines.push_back(line);
@@ -186,7 +186,7 @@ TEST_CASE("explained rays have the same verdict as text, JSON and table for ever
         }
         // The culprit is the row with the star, and the sentence names it; else there is neither.
         std::string starred;
-        for (const std::string& line : lines_of(shown.text))
+        for (const std::string& line : split_lines(shown.text))
             if (line.starts_with("* ") && !line.starts_with("* marks")) starred = line.substr(2, line.find(' ', 2) - 2);
         REQUIRE(shown.json["culprit"].is_null() == starred.empty());
         if (!starred.empty()) REQUIRE(shown.json["culprit"] == starred);
@@ -252,7 +252,7 @@ TEST_CASE("an explanation never prints an infinity or a NaN as a number") {
     on_explained_rays(is_long() ? 40 : 3, 67, [&](const RayQuestion&, const ShownRay& shown) {
         const output::attribution::OperationView words(shown.x);
         std::vector<std::string> sentences =
-            lines_of(shown.verdict.text() + output::attribution::sums_text(shown.x, words));
+            split_lines(shown.verdict.text() + output::attribution::sums_text(shown.x, words));
         sentences.push_back(shown.json["largest_sentence"]);
         for (const std::string& sentence : sentences) {
             INFO(sentence);
@@ -285,8 +285,8 @@ TEST_CASE("shares, roundings and errors that are not finite are reported as miss
                 if (what == 3) x.attribution.error = x.attribution.contribution_sum = odd;
                 if (x.culprit_alone) x.culprit_alone->only_exact.error = x.culprit_alone->only_rounded.error = odd;
                 const output::attribution::OperationView words(x);
-                for (const std::string& line : lines_of(output::attribution::culprit_sentence(x) + "\n" +
-                                                        make_verdict(x, shown.march).text() + sums_text(x, words))) {
+                for (const std::string& line : split_lines(output::attribution::culprit_sentence(x) + "\n" +
+                                                           make_verdict(x, shown.march).text() + sums_text(x, words))) {
                     INFO(line);
                     CHECK_FALSE(std::regex_search(line, raw_number()));
                     said += line.find("no finite share") != std::string::npos;

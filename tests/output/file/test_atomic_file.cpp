@@ -26,7 +26,7 @@ namespace {
 
 /// The message of the EnvironmentError that ends `work`; empty if the work ends without one.
 template <class Work>
-std::string refusal(Work work) {
+std::string find_refusal(Work work) {
     try {
         work();
     } catch (const EnvironmentError& error) {
@@ -99,7 +99,7 @@ TEST_CASE("missing folders are created, and a path that cannot be written is ref
                                     {"x/y/z.csv/w.csv", "z.csv: cannot use as a folder: Not a directory"},
                                     {"x/y/z.csv/deep/w.csv", "Not a directory"},
                                     {std::string(300, 'n'), "File name too long"}})
-        CHECK(contains(refusal([&] { AtomicFile(folder / name); }), why));
+        CHECK(contains(find_refusal([&] { AtomicFile(folder / name); }), why));
     REQUIRE(folder.entries() == 1);
 }
 
@@ -113,7 +113,7 @@ TEST_CASE("an unwritable folder or file is refused before any work", "[atomic_fi
         for (const auto& [name, why] : {std::pair("a", "a: cannot create: Permission denied; "),
                                         {"s/a", "cannot create the folder: Permission"},
                                         {"mine", "cannot overwrite: Permission denied"}})
-            if (!contains(refusal([&] { AtomicFile(folder / name); }), why)) return 1;
+            if (!contains(find_refusal([&] { AtomicFile(folder / name); }), why)) return 1;
         return 0;
     });
     ::chmod(folder.path().c_str(), 0755);
@@ -128,7 +128,7 @@ TEST_CASE("a full disk is reported and leaves no file", "[atomic_file]") {
             ignore_file_size_signal();
             const rlimit limit{100000, 100000};
             ::setrlimit(RLIMIT_FSIZE, &limit);
-            const std::string message = refusal([&] { write_file(folder / "big", std::string(bytes, 'x')); });
+            const std::string message = find_refusal([&] { write_file(folder / "big", std::string(bytes, 'x')); });
             if (message.empty()) return 1;
             return message == (folder / "big").string() +
                                   ": cannot write: File too large; free space or choose another place"
@@ -145,7 +145,7 @@ TEST_CASE("a full disk is reported and leaves no file", "[atomic_file]") {
 }
 
 TEST_CASE("a device is written in place, never replaced", "[atomic_file]") {
-    REQUIRE(refusal([] { write_file("/dev/full", "x"); }) ==
+    REQUIRE(find_refusal([] { write_file("/dev/full", "x"); }) ==
             "/dev/full: cannot write: No space left on device; free space or choose another place");
     REQUIRE(fs::is_character_file("/dev/full"));
     write_file("/dev/null", "x");

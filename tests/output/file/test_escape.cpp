@@ -99,7 +99,7 @@ bool is_showable(char32_t c) {
 constexpr int many = 20000;
 
 /// Reads escape codes such as `%25` back, as GitHub's runner does.
-std::string unescaped(std::string text, const std::vector<std::pair<std::string, std::string>>& codes) {
+std::string unescape(std::string text, const std::vector<std::pair<std::string, std::string>>& codes) {
     for (const auto& [code, meaning] : codes) {
         for (std::size_t at = 0; (at = text.find(code, at)) != std::string::npos; at += meaning.size())
             text.replace(at, code.size(), meaning);
@@ -187,7 +187,7 @@ TEST_CASE("escaped text in HTML is plain text", "[escape]") {
     for_texts(many, [](const std::string& text) {
         const std::string page = output::report::html(text);
         REQUIRE(page.find_first_of("<>\"") == std::string::npos);
-        REQUIRE(unescaped(page, {{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}}) == xml_text(text));
+        REQUIRE(unescape(page, {{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}}) == xml_text(text));
     });
 }
 
@@ -228,8 +228,8 @@ TEST_CASE("GitHub's runner reads a command's text back and no other command", "[
         REQUIRE(data.find_first_of("\r\n") == std::string::npos);
         REQUIRE(data.find("##[") == std::string::npos);
         REQUIRE(value.find_first_of("\r\n:,") == std::string::npos);
-        REQUIRE(unescaped(data, {{"%0D", "\r"}, {"%0A", "\n"}, {"%25", "%"}}) == terminal_text(text));
-        REQUIRE(unescaped(value, {{"%0D", "\r"}, {"%0A", "\n"}, {"%3A", ":"}, {"%2C", ","}, {"%25", "%"}}) ==
+        REQUIRE(unescape(data, {{"%0D", "\r"}, {"%0A", "\n"}, {"%25", "%"}}) == terminal_text(text));
+        REQUIRE(unescape(value, {{"%0D", "\r"}, {"%0A", "\n"}, {"%3A", ":"}, {"%2C", ","}, {"%25", "%"}}) ==
                 terminal_text(text));
     });
 }

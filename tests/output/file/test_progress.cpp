@@ -18,7 +18,7 @@ namespace {
 
 /// Text that `work` writes to its descriptor.
 template <class Work>
-std::string written(Work work) {
+std::string read_output_of(Work work) {
     int ends[2];
     REQUIRE(::pipe(ends) == 0);
     work(ends[1]);
@@ -52,7 +52,7 @@ TEST_CASE("durations are written in fitting units", "[progress]") {
 
 TEST_CASE("progress is not drawn on a pipe, when quiet, or when switched off", "[progress]") {
     const auto run = [](Progress::Mode mode, bool quiet) {
-        return written([&](int fd) {
+        return read_output_of([&](int fd) {
             Progress bar(2, "map", mode, quiet, fd);
             bar.advance();
             std::this_thread::sleep_for(std::chrono::milliseconds(210));
@@ -66,7 +66,7 @@ TEST_CASE("progress is not drawn on a pipe, when quiet, or when switched off", "
 }
 
 TEST_CASE("the progress bar counts from all threads and erases itself", "[progress]") {
-    const std::string out = written([](int fd) {
+    const std::string out = read_output_of([](int fd) {
         Progress bar(4000, "map", Progress::Mode::bar, false, fd);
         bar.advance(0);
         bar.print_line("note");
@@ -103,12 +103,12 @@ TEST_CASE("a time estimate comes from the first part of the work, and on long ru
 }
 
 TEST_CASE("a short or quiet run prints no time estimate") {
-    CHECK(written([](int fd) {
+    CHECK(read_output_of([](int fd) {
               Progress progress(1000, "s", Progress::Mode::none, false, fd);
               Estimate estimate(progress, "s", 1000, false);
               for (int i = 0; i < 1000; ++i) estimate.advance(1);
           }).empty());
-    const std::string once = written([](int fd) {
+    const std::string once = read_output_of([](int fd) {
         Progress loud(1000000, "s", Progress::Mode::none, false, fd),
             quiet(1000000, "q", Progress::Mode::none, true, fd);
         Estimate of_loud(loud, "s", 1000000, false), of_quiet(quiet, "q", 1000000, true);

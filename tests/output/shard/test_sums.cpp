@@ -24,7 +24,7 @@ namespace {
 
 /// Joins the shards of a study, which were written as bits and read back.
 template <class Study>
-std::vector<typename Study::Summary> joined(Study study, std::uint64_t shards) {
+std::vector<typename Study::Summary> join_shards(Study study, std::uint64_t shards) {
     auto all = measure::study::empty_summaries(study);
     for (std::uint64_t k = 1; k <= shards; ++k) {
         study.share = {k, shards};
@@ -43,7 +43,7 @@ void check_parts(const Study& study) {
     const std::string whole = bits_of(run_share(study));
     for (const std::uint64_t shards : {1, 2, 5}) {
         INFO(shards << " shards");
-        const bool same = bits_of(joined(study, shards)) == whole;
+        const bool same = bits_of(join_shards(study, shards)) == whole;
         CHECK(same);
     }
 }

@@ -27,7 +27,7 @@ using scene::triangle::Mesh;
 
 namespace {
 
-Mesh tidied(Mesh mesh) {
+Mesh tidy(Mesh mesh) {
     scene::triangle::merge_and_count(mesh, [](std::size_t face) { return "face " + std::to_string(face); });
     return mesh;
 }
@@ -83,7 +83,7 @@ double apart(const Vec<double>& a, const Vec<double>& b) { return length(a - b);
 
 TEST_CASE("closed meshes are closed, wound outward and of the right genus", "[mesh]") {
     for (int levels = 0; levels < 5; ++levels) {
-        const Mesh mesh = tidied(scene::triangle::make_icosphere(levels, {0, 0, 0}, 1));
+        const Mesh mesh = tidy(scene::triangle::make_icosphere(levels, {0, 0, 0}, 1));
         const Edges edges(mesh);
         CHECK(mesh.faces.size() == 20U << (2 * levels));
         CHECK(edges.open == 0);
@@ -93,7 +93,7 @@ TEST_CASE("closed meshes are closed, wound outward and of the right genus", "[me
         CHECK(six_volumes(mesh) < 6 * 4.189);
         for (std::size_t f = 0; f < mesh.faces.size(); ++f) CHECK_FALSE(mesh.has_border(f));
     }
-    const Mesh tube = tidied(scene::triangle::make_tube(16, 64, {0, 0, 0}, 2, 0.5));
+    const Mesh tube = tidy(scene::triangle::make_tube(16, 64, {0, 0, 0}, 2, 0.5));
     const Edges edges(tube);
     CHECK(tube.faces.size() == 2048);
     CHECK(edges.open == 0);
@@ -115,7 +115,7 @@ TEST_CASE("edges and borders agree with a comparison of all pairs of faces", "[m
             const scene::triangle::Face face{corner(), corner(), corner()};
             if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) mesh.faces.push_back(face);
         }
-        mesh = tidied(std::move(mesh));
+        mesh = tidy(std::move(mesh));
         const auto sorted = [&](std::size_t f) {
             auto face = mesh.faces[f];
             std::ranges::sort(face);
@@ -158,11 +158,11 @@ TEST_CASE("edges and borders agree with a comparison of all pairs of faces", "[m
 }
 
 TEST_CASE("open meshes have the border of their outline", "[mesh]") {
-    const Mesh grid = tidied(scene::triangle::make_grid(5, 3, {1, 2, 3}, {2, 4, 0}, 0.5));
+    const Mesh grid = tidy(scene::triangle::make_grid(5, 3, {1, 2, 3}, {2, 4, 0}, 0.5));
     CHECK(grid.faces.size() == 30);
     CHECK(Edges(grid).open == 16);
     CHECK(Edges(grid).are_consistent);
-    const Mesh fan = tidied(scene::triangle::make_fan(12, {0, 0, 0}, 1));
+    const Mesh fan = tidy(scene::triangle::make_fan(12, {0, 0, 0}, 1));
     CHECK(Edges(fan).open == 12);
     for (std::size_t f = 0; f < 12; ++f) CHECK(fan.has_border(f));
     for (const Vec<double>& v : fan.vertices) CHECK((length(v) == 0 || std::fabs(length(v) - 1) < 0x1p-50));
@@ -179,7 +179,7 @@ TEST_CASE("equal vertices are merged, and faces without area are named", "[mesh]
     Mesh mesh;
     mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, -0.0, 0}, {0, 1, -0.0}, {2, 0, 0}};
     mesh.faces = {{0, 1, 2}, {3, 5, 4}, {0, 1, 6}, {1, 4, 2}};
-    mesh = tidied(std::move(mesh));
+    mesh = tidy(std::move(mesh));
     CHECK(mesh.vertices.size() == 5);
     CHECK(mesh.faces.size() == 2);
     CHECK(mesh.removed_face_count == 2);
@@ -190,7 +190,7 @@ TEST_CASE("equal vertices are merged, and faces without area are named", "[mesh]
 }
 
 TEST_CASE("rounding to a format can flatten a face", "[mesh]") {
-    const Mesh mesh = tidied(scene::triangle::make_grid(4, 4, {1, 1, 0}, {0x1p-20, 0x1p-20, 0}, 0));
+    const Mesh mesh = tidy(scene::triangle::make_grid(4, 4, {1, 1, 0}, {0x1p-20, 0x1p-20, 0}, 0));
     CHECK(count_flat_faces(mesh, binary64) == 0);
     CHECK(count_flat_faces(mesh, binary32) == 0);
     CHECK(count_flat_faces(mesh, binary16) == mesh.faces.size());

@@ -18,14 +18,14 @@ TEST_CASE("vertices keep the bits of the file", "[mesh]") {
     };
     const Mesh wide = draw_mesh(false), narrow = draw_mesh(true);
     arrives("wide.obj", wide, to_obj(wide));
-    arrives("wide.ply", wide, as_ply_text<double>(wide));
-    arrives("wide-little.ply", wide, as_ply_bytes<double>(wide, false));
-    arrives("wide-big.ply", wide, as_ply_bytes<double>(wide, true));
+    arrives("wide.ply", wide, to_ply_text<double>(wide));
+    arrives("wide-little.ply", wide, to_ply_bytes<double>(wide, false));
+    arrives("wide-big.ply", wide, to_ply_bytes<double>(wide, true));
     arrives("wide.stl", wide, to_stl_text(wide));
     arrives("narrow.obj", narrow, to_obj(narrow));
-    arrives("narrow.ply", narrow, as_ply_text<float>(narrow));
-    arrives("narrow-little.ply", narrow, as_ply_bytes<float>(narrow, false));
-    arrives("narrow-big.ply", narrow, as_ply_bytes<float>(narrow, true));
+    arrives("narrow.ply", narrow, to_ply_text<float>(narrow));
+    arrives("narrow-little.ply", narrow, to_ply_bytes<float>(narrow, false));
+    arrives("narrow-big.ply", narrow, to_ply_bytes<float>(narrow, true));
     arrives("narrow.stl", narrow, to_stl_bytes(narrow));
     arrives("narrow.glb", narrow, to_glb(narrow));
     folder.write("narrow.bin", buffer_of_gltf(narrow));
@@ -116,7 +116,7 @@ TEST_CASE("a file that is not a mesh is refused with its line or offset", "[mesh
           "a.fbx: is not a known kind of mesh; its name must end in .obj, .ply, .stl, .gltf or .glb");
 
     const Mesh ball = scene::triangle::make_icosphere(0, {0, 0, 0}, 1);
-    const std::string stl = to_stl_bytes(ball), ply = as_ply_bytes<float>(ball, false);
+    const std::string stl = to_stl_bytes(ball), ply = to_ply_bytes<float>(ball, false);
     CHECK(error_of_file("a.stl", "x" + stl.substr(1, 500)) ==
           "a.stl: byte 80: is not an STL: it does not begin with the word solid, and with 20 facets it would have 1084 "
           "bytes and not 501; was it cut short?");
@@ -205,7 +205,7 @@ TEST_CASE("text that would hide a line or a face is refused", "[mesh]") {
               .starts_with("a.ply:8:1: the header has no format line"));
     CHECK(error_of_file("a.ply", "") == "a.ply:1:1: is not a PLY: its first line is not ply");
     CHECK(error_of_file("a.ply", "plx\n") == "a.ply:1:1: is not a PLY: its first line is not ply");
-    const std::string bytes = as_ply_bytes<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1), false);
+    const std::string bytes = to_ply_bytes<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1), false);
     CHECK(has(error_of_file("a.ply", bytes + "abc"), ": 3 bytes follow the last element that the header names"));
 }
 
@@ -215,7 +215,7 @@ TEST_CASE("a byte order mark is skipped", "[mesh]") {
     const std::string mark = "\xEF\xBB\xBF";
     folder.write("ball.bin", buffer_of_gltf(ball));
     for (const auto& [name, text] :
-         {std::pair{"a.obj", to_obj(ball)}, std::pair{"a.ply", as_ply_text<double>(ball)},
+         {std::pair{"a.obj", to_obj(ball)}, std::pair{"a.ply", to_ply_text<double>(ball)},
           std::pair{"a.stl", to_stl_text(ball)}, std::pair{"a.gltf", to_gltf(ball, R"(, "uri": "ball.bin")")}}) {
         INFO(name);
         const Mesh plain = read_mesh_file(folder.write(name, text));
@@ -237,7 +237,7 @@ TEST_CASE("a number too small for its type is rounded as any other", "[mesh]") {
     CHECK(first_of("2.4703282292062327e-324") == 0);
     CHECK(first_of("1e-310") == 1e-310);
     CHECK(first_of("0." + std::string(400, '0') + "1") == 0);
-    std::string text = as_ply_text<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1));
+    std::string text = to_ply_text<float>(scene::triangle::make_icosphere(0, {0, 0, 0}, 1));
     text = replace_text(text, "255 0 ", "255 1e-60 ");
     CHECK(error_of_file("a.ply", text) == "no error");
     CHECK(has(error_of_file("a.ply", replace_text(text, "1e-60", "1e60")), "x is \"1e60\", which overflows"));
@@ -258,12 +258,12 @@ TEST_CASE("a vertex that the scene cannot hold is refused with its position in t
     CHECK(has(error_with(binary32, "a.obj", to_obj(vast)), says));
     CHECK(
         error_with(binary32, "a.obj", to_obj(vast)).starts_with("a.obj:5:5: y is \"3.4028235677973366e+38\", which "));
-    CHECK(has(error_with(binary32, "a.ply", as_ply_text<double>(vast)), says));
-    CHECK(has(error_with(binary32, "a.ply", as_ply_bytes<double>(vast, true)), says));
+    CHECK(has(error_with(binary32, "a.ply", to_ply_text<double>(vast)), says));
+    CHECK(has(error_with(binary32, "a.ply", to_ply_bytes<double>(vast, true)), says));
     CHECK(has(error_with(binary32, "a.stl", to_stl_text(vast)), says));
     vast.vertices[2].y = 0x1.fffffep127;
     for (const auto& [name, bytes] :
-         {std::pair{"a.obj", to_obj(vast)}, std::pair{"a.ply", as_ply_bytes<double>(vast, true)},
+         {std::pair{"a.obj", to_obj(vast)}, std::pair{"a.ply", to_ply_bytes<double>(vast, true)},
           std::pair{"a.stl", to_stl_text(vast)}})
         CHECK(error_with(binary32, name, bytes) == "no error");
 }
@@ -274,7 +274,7 @@ TEST_CASE("truncated or corrupted mesh files are read or refused without a crash
     lostbits::test::Random random(5);
     std::size_t refused = 0;
     const std::pair<const char*, std::string> files[] = {
-        {"a.obj", to_obj(ball)},       {"b.ply", as_ply_text<double>(ball)}, {"c.ply", as_ply_bytes<float>(ball, true)},
+        {"a.obj", to_obj(ball)},       {"b.ply", to_ply_text<double>(ball)}, {"c.ply", to_ply_bytes<float>(ball, true)},
         {"d.stl", to_stl_bytes(ball)}, {"e.stl", to_stl_text(ball)},         {"f.glb", to_glb(ball)}};
     for (const auto& [name, whole] : files) {
         for (int i = 0; i < lostbits::test::draws(300); ++i) {

@@ -208,8 +208,8 @@ TEST_CASE("every mesh reader stops on request", "[mesh]") {
     using Read = triangle::ParsedMesh (*)(MeshBytes&, const triangle::MeshSettings&);
     const std::tuple<const char*, std::string, Read> files[] = {
         {"a.obj", to_obj(ball), triangle::read_obj},
-        {"a.ply", as_ply_text<double>(ball), triangle::read_ply},
-        {"b.ply", as_ply_bytes<float>(ball, true), triangle::read_ply},
+        {"a.ply", to_ply_text<double>(ball), triangle::read_ply},
+        {"b.ply", to_ply_bytes<float>(ball, true), triangle::read_ply},
         {"a.stl", to_stl_bytes(ball), triangle::read_stl},
         {"b.stl", to_stl_text(ball), triangle::read_stl},
         {"a.glb", to_glb(ball), triangle::read_gltf},

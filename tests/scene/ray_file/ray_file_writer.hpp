@@ -53,7 +53,7 @@ void append(std::string& bytes, double number, bool big_endian) {
 enum class ArrayOrder { rows, columns };
 
 template <class F>
-std::string as_bytes(const Columns& columns, bool big_endian = false, ArrayOrder order = ArrayOrder::rows) {
+std::string to_bytes(const Columns& columns, bool big_endian = false, ArrayOrder order = ArrayOrder::rows) {
     std::string bytes;
     const std::size_t n = columns.rows(), k = columns.names.size();
     for (std::size_t i = 0; i < n * k; ++i) {
@@ -79,7 +79,7 @@ std::string to_npy(const Columns& columns, bool big_endian = false, ArrayOrder o
     return to_npy("{'descr': '" + type + "', 'fortran_order': " + (order == ArrayOrder::rows ? "False" : "True") +
                       ", 'shape': (" + std::to_string(columns.rows()) + ", " + std::to_string(columns.names.size()) +
                       "), }",
-                  as_bytes<F>(columns, big_endian, order));
+                  to_bytes<F>(columns, big_endian, order));
 }
 
 using ScratchRayFile = lostbits::test::ScratchFile;

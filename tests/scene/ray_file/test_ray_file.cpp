@@ -98,9 +98,9 @@ TEST_CASE("every file format of rays gives the same rays") {
             require_reads("a.npy", to_npy<float>(columns, big, order), {.columns = names}, columns, "f32");
             require_reads("a.npy", to_npy<double>(columns, big, order), {.columns = names}, columns, "f64");
         }
-        require_reads("a.bin", as_bytes<float>(columns, big), {.columns = columns.joined_names(":f32" + be)}, columns,
+        require_reads("a.bin", to_bytes<float>(columns, big), {.columns = columns.joined_names(":f32" + be)}, columns,
                       "f32");
-        require_reads("a.bin", "head" + as_bytes<double>(columns, big),
+        require_reads("a.bin", "head" + to_bytes<double>(columns, big),
                       {.columns = "ox:f64" + be + names.substr(2), .skip = 4}, columns, "f64");
     }
 }
