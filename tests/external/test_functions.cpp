@@ -163,6 +163,60 @@ TEST_CASE("functions: each member of a struct has its own meaning and place", "[
     }
 }
 
+TEST_CASE("functions: x, y and z may be three arguments", "[external]") {
+    const Scratch made;
+    const std::string path = (made.path() / "components.c").string();
+    const auto write = [&](const std::string& comment, const std::string& arguments, const std::string& assignments) {
+        made.write("components.c", "#include <math.h>\n" + comment + "\nfloat hit(" + arguments + ") {\n" +
+                                       assignments +
+                                       R"(
+    float x = ox - cx, y = oy - cy, z = oz - cz, a = dx * dx + dy * dy + dz * dz;
+    float b = x * dx + y * dy + z * dz, disc = b * b - a * (x * x + y * y + z * z - r * r);
+    return disc < 0 ? -1 : (-b - sqrtf(disc)) / a;
+})");
+        return path + ":hit";
+    };
+    const std::string named =
+                          "float ox, float oy, float oz, float dx, float dy, float dz, float cx, float cy, float cz, "
+                          "float r",
+                      unnamed =
+                          "float p, float q, float s, float u, float v, float w, float k, float l, float m, float r",
+                      assignments = "float ox = p, oy = q, oz = s, dx = u, dy = v, dz = w, cx = k, cy = l, cz = m;",
+                      mixed =
+                          "float r, float ox, float dx, float cx, float oy, float dy, float cy, float oz, float dz, "
+                          "float cz";
+
+    // By the names ox, oy, oz; by a comment with the vectors; by a comment with their components in any order.
+    for (const auto& [comment, arguments, says] :
+         {std::tuple{"", named, "origin = (ox, oy, oz), direction = (dx, dy, dz), centre = (cx, cy, cz), radius = r"},
+          std::tuple{"// lostbits: sphere(o, d, c, r)", named, "origin = (ox, oy, oz)"},
+          std::tuple{"// lostbits: sphere(o, d, c, r)", unnamed, "direction = (u, v, w), centre = (k, l, m)"},
+          std::tuple{"// lostbits: sphere(r, o.x, d.x, c.x, o.y, d.y, c.y, o.z, d.z, centre.z)", mixed,
+                     "radius = r, origin.x = ox, direction.x = dx, centre.x = cx, origin.y = oy"}}) {
+        CAPTURE(comment, arguments);
+        const std::string function = write(comment, arguments, arguments == unnamed ? assignments : "");
+        const auto f = intersect::function::load_function(function, {});
+        CHECK(HasText(f->signature_text, says));
+        CHECK(count_differences(*f) == 0);
+        const Outcome map = must(
+            "map near-benign --size 16x16 -f f32 -i function.hit -o out --force --function " + function, made.path());
+        CHECK(HasText(map.out,
+                      "function.hit                 f32        157                0          0           0      0"));
+    }
+
+    // Each number needs a meaning, and each meaning has one place.
+    const auto refusal = [&](const std::string& comment, const std::string& arguments) {
+        return find_refusal(write("// lostbits: " + comment, arguments, arguments == unnamed ? assignments : ""));
+    };
+    CHECK(HasText(refusal("sphere(o, d, c)", named), "components.c:2:4: names 3 arguments, and none for r; name each"));
+    CHECK(HasText(refusal("sphere(o, o, o, d, d, d, c, c, c, r)", named),
+                  "\"o\" is named twice; a vector is named once"));
+    CHECK(HasText(refusal("sphere(o, d, c, 1/d)", named), "\"1/d\" is a vector, but r is a number, and not the first"));
+    CHECK(HasText(refusal("sphere(r, o.x, d.x, c.x, o.y, d.y, c.y, o.z, d.z, -)", mixed),
+                  "cx is a component of a vector, and the vector has no other ones; name all of x, y and z"));
+    CHECK(HasText(refusal("sphere(o, d, c, r, r.x)", named), "names \"r.x\", but the function takes only 4 vectors"));
+}
+
 TEST_CASE("functions: the underline fits lines with letters of several bytes", "[external]") {
     const Scratch made;
     const std::string file = made.write("letters.c", R"(#include <math.h>

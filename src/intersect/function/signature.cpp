@@ -16,25 +16,9 @@ namespace {
 
 using Kind = SourceType::Kind;
 
-/// A vector or a number of an argument, and the names from which its role is guessed.
-struct Part {
-    NumberSlot slot;
-    bool is_vector = false;
-    std::string path;                 ///< expression in the source: "ray.origin"
-    std::string last_name;            ///< the last name of the path, normalized
-    std::string argument_names = {};  ///< normalized names of the argument and its type
-    bool is_out = false;              ///< true if the function writes the part
-    bool points_to_numbers = false;   ///< argument of type float*, which may be one number or three
-    bool has_fourth = false;          ///< a vector of four numbers, whose last one may be a radius
-    std::string role = {};            ///< see `RoleGuesser`; empty while unknown
-};
-
-bool is_tmin(const Part& part) { return !part.is_vector && (is_tmin_name(part.last_name) || part.last_name == "min"); }
-bool is_tmax(const Part& part) { return !part.is_vector && (is_tmax_name(part.last_name) || part.last_name == "max"); }
-
-class Parts {
+class PartLister {
 public:
-    std::vector<Part> all;
+    std::vector<ArgumentPart> all;
 
     void add(const Argument& a, int index) {
         argument_names_ = normalized_name(a.name) + " " + normalized_name(a.target().name);
@@ -47,7 +31,7 @@ public:
         if (is_pointer && a.target().kind == Kind::number) {
             const bool is_single = a.type.name == "&" || is_out_ ||
                                    is_one_of(normalized_name(a.name), {"radius", "r", "tmin", "tmax", "t"});
-            Part& p = add_number(0, a.target().size, name, normalized_name(a.name));
+            ArgumentPart& p = add_number(0, a.target().size, name, normalized_name(a.name));
             p.is_vector = !is_single;
             p.points_to_numbers = a.type.name != "&";
             return;
@@ -68,16 +52,18 @@ private:
         return false;
     }
 
-    Part& add_number(std::size_t offset, std::size_t size, const std::string& path, const std::string& last_name) {
-        Part p{.slot = {argument_, offset, size, false},
-               .path = path,
-               .last_name = last_name,
-               .argument_names = argument_names_};
+    ArgumentPart& add_number(std::size_t offset, std::size_t size, const std::string& path,
+                             const std::string& last_name) {
+        ArgumentPart p{.slot = {argument_, offset, size, false},
+                       .path = path,
+                       .last_name = last_name,
+                       .argument_names = argument_names_};
         p.is_out = is_out_;
         return all.emplace_back(std::move(p));
     }
-    Part& add_vector(std::size_t offset, std::size_t size, const std::string& path, const std::string& last_name) {
-        Part& p = add_number(offset, size, path, last_name);
+    ArgumentPart& add_vector(std::size_t offset, std::size_t size, const std::string& path,
+                             const std::string& last_name) {
+        ArgumentPart& p = add_number(offset, size, path, last_name);
         p.is_vector = true;
         return p;
     }
@@ -138,7 +124,38 @@ private:
     bool is_out_ = false;
 };
 
-Shape guess_shape(const UserSignature& signature, const StatedSignature& stated, const std::vector<Part>& parts,
+}  // namespace
+
+std::vector<ArgumentPart> list_parts(const std::vector<Argument>& arguments) {
+    PartLister parts;
+    for (std::size_t k = 0; k < arguments.size(); ++k) parts.add(arguments[k], static_cast<int>(k));
+    return parts.all;
+}
+
+bool is_answer_role(const std::string& role) { return is_one_of(role, {"t", "far", "hit"}); }
+
+bool has_role(const std::vector<ArgumentPart>& parts, const std::string& role) {
+    return std::ranges::find(parts, role, &ArgumentPart::role) != parts.end();
+}
+
+ArgumentPart fourth_number_of(ArgumentPart vector) {
+    vector.slot.offset += 3 * vector.slot.size;
+    vector.is_vector = vector.has_fourth = false;
+    vector.path += ".w";
+    vector.role = "";
+    return vector;
+}
+
+namespace {
+
+bool is_tmin(const ArgumentPart& part) {
+    return !part.is_vector && (is_tmin_name(part.last_name) || part.last_name == "min");
+}
+bool is_tmax(const ArgumentPart& part) {
+    return !part.is_vector && (is_tmax_name(part.last_name) || part.last_name == "max");
+}
+
+Shape guess_shape(const UserSignature& signature, const StatedSignature& stated, const std::vector<ArgumentPart>& parts,
                   const std::string& message_prefix) {
     // The shape that is stated, or that the names of the function or its arguments contain.
     if (!stated.shape.empty()) return stated_shape(stated);
@@ -150,7 +167,7 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
     // The only shape with so many vectors and numbers beside the origin and the direction.
     std::size_t vector_count = 0, number_count = 0;
     bool has_fourth = false;
-    for (const Part& part : parts) {
+    for (const ArgumentPart& part : parts) {
         has_fourth = has_fourth || part.has_fourth;
         if (part.is_out || part.slot.is_integer || is_tmin(part) || is_tmax(part) ||
             is_inverse_direction_name(part.last_name))
@@ -165,29 +182,11 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
                      "as // lostbits: sphere(o, d, c, r)");
 }
 
-/// The role of the key with index k; `key_index` is its inverse. No shape has ten keys.
-std::string key_role(std::size_t k) { return "k" + std::to_string(k); }
-std::size_t key_index(const std::string& role) { return static_cast<std::size_t>(role[1] - '0'); }
-
-bool is_answer_role(const std::string& role) { return is_one_of(role, {"t", "far", "hit"}); }
-
-/// Returns the last number of a vector of four numbers as a part of its own.
-Part fourth_number_of(Part vector) {
-    vector.slot.offset += 3 * vector.slot.size;
-    vector.is_vector = vector.has_fourth = false;
-    vector.path += ".w";
-    vector.role = "";
-    return vector;
-}
-
-bool has_role(const std::vector<Part>& parts, const std::string& role) {
-    return std::ranges::find(parts, role, &Part::role) != parts.end();
-}
-
 /// Gives each part a role: o, d, 1/d, tmin, tmax, or k followed by the index of the key.
 class RoleGuesser {
 public:
-    RoleGuesser(std::vector<Part>& parts, Shape shape) : parts_(parts), shape_(shape), keys_(row_of(shape).keys) {}
+    RoleGuesser(std::vector<ArgumentPart>& parts, Shape shape)
+        : parts_(parts), shape_(shape), keys_(row_of(shape).keys) {}
 
     void guess() {
         guess_ray_by_names();
@@ -197,16 +196,16 @@ public:
     }
 
 private:
-    void set_role(Part& part, const std::string& role) const {
+    void set_role(ArgumentPart& part, const std::string& role) const {
         if (part.role.empty() && !has_role(parts_, role)) part.role = role;
     }
-    static bool is_in_ray(const Part& part) { return part.argument_names.find("ray") != std::string::npos; }
-    [[nodiscard]] bool may_be_key(const Part& part, const Key& key) const {
+    static bool is_in_ray(const ArgumentPart& part) { return part.argument_names.find("ray") != std::string::npos; }
+    [[nodiscard]] bool may_be_key(const ArgumentPart& part, const Key& key) const {
         return part.role.empty() && !part.is_out && !part.slot.is_integer && part.is_vector == (key.count() == 3);
     }
 
     void guess_ray_by_names() {
-        for (Part& part : parts_) {
+        for (ArgumentPart& part : parts_) {
             if (part.is_out || part.slot.is_integer) continue;
             const bool in_ray = is_in_ray(part);
             const bool is_whole_argument = part.path.find_first_of(".[") == std::string::npos;
@@ -230,7 +229,7 @@ private:
             if (has_role(parts_, role) || (std::string_view(role) == "d" && has_role(parts_, "1/d"))) continue;
             for (const bool ray_only : {true, false}) {
                 if (has_role(parts_, role)) break;
-                for (Part& part : parts_) {
+                for (ArgumentPart& part : parts_) {
                     const bool in_ray = is_in_ray(part);
                     const bool is_whole_argument = part.path.find('.') == std::string::npos;
                     if (!part.is_vector || part.is_out || !part.role.empty() ||
@@ -245,14 +244,15 @@ private:
 
     /// Gives the keys of the primitive to parts with a common name of the key, then to the parts that are left.
     void guess_keys() {
-        for (Part& part : parts_)
+        for (ArgumentPart& part : parts_)
             for (std::size_t k = 0; k < keys_.size(); ++k)
                 if (may_be_key(part, keys_[k]) && is_common_name_of_key(part.last_name, keys_[k], k, shape_))
                     set_role(part, key_role(k));
         for (std::size_t k = 0; k < keys_.size(); ++k) {
             // A number is an inner radius only if its name says so: more often it is an epsilon.
             if (has_role(parts_, key_role(k)) || keys_[k].name == "inner_radius") continue;
-            const auto p = std::ranges::find_if(parts_, [&](const Part& part) { return may_be_key(part, keys_[k]); });
+            const auto p =
+                std::ranges::find_if(parts_, [&](const ArgumentPart& part) { return may_be_key(part, keys_[k]); });
             if (p != parts_.end()) p->role = key_role(k);
         }
     }
@@ -260,68 +260,24 @@ private:
     /// Makes the fourth number of `vec4 sphere` of shaders the radius, if no part is the radius.
     void split_fourth_numbers() {
         for (std::size_t k = 1; k < keys_.size(); ++k) {
-            const auto previous_key = std::ranges::find(parts_, key_role(k - 1), &Part::role);
+            const auto previous_key = std::ranges::find(parts_, key_role(k - 1), &ArgumentPart::role);
             if (has_role(parts_, key_role(k)) || keys_[k].count() != 1 || previous_key == parts_.end() ||
                 !previous_key->has_fourth)
                 continue;
-            Part fourth = fourth_number_of(*previous_key);
+            ArgumentPart fourth = fourth_number_of(*previous_key);
             fourth.role = key_role(k);
             parts_.push_back(std::move(fourth));
         }
     }
 
-    std::vector<Part>& parts_;
+    std::vector<ArgumentPart>& parts_;
     Shape shape_;
     std::span<const Key> keys_;
 };
 
-/// Finds the role that a comment names; empty if the name is unknown. Other common names of a key come last.
-std::string find_stated_role(const std::string& name, Shape shape) {
-    if (name == "-" || name.empty()) return "-";
-    if (is_one_of(name, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) return name;
-    if (is_one_of(name, {"origin", "direction"})) return name.substr(0, 1);
-    const auto keys = row_of(shape).keys;
-    for (std::size_t k = 0; k < keys.size(); ++k)
-        if (name == keys[k].name || name == keys[k].short_name) return key_role(k);
-    for (std::size_t k = 0; k < keys.size(); ++k)
-        if (is_common_name_of_key(name, keys[k], k, shape)) return key_role(k);
-    return "";
-}
-
-/// Gives the parts the roles that a comment states, in the order of the arguments.
-void apply_stated_roles(std::vector<Part>& parts, Shape shape, const StatedSignature& stated) {
-    // If the comment names more arguments than there are parts, it names fourth numbers too.
-    for (std::size_t k = 0; k < parts.size(); ++k)
-        if (parts[k].has_fourth && stated.roles.size() > parts.size())
-            parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(k) + 1, fourth_number_of(parts[k]));
-    if (stated.roles.size() > parts.size())
-        throw InputError(stated.message_prefix + ": names " + std::to_string(stated.roles.size()) +
-                         " arguments, but the function "
-                         "takes " +
-                         std::to_string(parts.size()) + " vectors and numbers");
-
-    const auto keys = row_of(shape).keys;
-    for (std::size_t i = 0; i < stated.roles.size(); ++i) {
-        const std::string role = find_stated_role(normalized_name(stated.roles[i]), shape);
-        if (role.empty())
-            throw InputError(stated.message_prefix + ": " + external::quote_text(stated.roles[i]) +
-                             " is not one of o, d, 1/d, tmin, "
-                             "tmax, t, far, hit, -, or a part of " +
-                             with_article(shape) + ": " + key_list(shape));
-        Part& p = parts[i];
-        p.role = role;
-        p.is_out = is_answer_role(role) || (role == "-" && p.is_out);
-
-        // A float* holds as many numbers as its role needs.
-        const bool is_number = is_answer_role(role) || is_one_of(role, {"tmin", "tmax"}) ||
-                               (role[0] == 'k' && keys[key_index(role)].count() == 1);
-        if (p.points_to_numbers && role != "-") p.is_vector = !is_number;
-    }
-}
-
 /// Finds the slots of hit, t and the far t among the numbers that a function writes or returns.
-void find_output_slots(UserSignature& signature, const std::vector<Part>& parts) {
-    for (const Part& part : parts) {
+void find_output_slots(UserSignature& signature, const std::vector<ArgumentPart>& parts) {
+    for (const ArgumentPart& part : parts) {
         if (part.is_vector) continue;
         if (part.slot.is_integer) {
             if (!signature.hit && (is_hit_name(part.last_name) || part.role == "hit")) signature.hit = part.slot;
@@ -343,8 +299,8 @@ std::string role_text(Shape shape, const std::string& role) {
 
 /// Turns a float* without const and without a role as an input into an output. Many C functions take their input arrays
 /// without const, so this comes last.
-void find_output_arrays(std::vector<Part>& parts, const UserSignature& signature) {
-    for (Part& part : parts) {
+void find_output_arrays(std::vector<ArgumentPart>& parts, const UserSignature& signature) {
+    for (ArgumentPart& part : parts) {
         const bool is_const = signature.arguments[part.slot.argument].type.is_const;
         if (!part.role.empty() || !part.points_to_numbers || !part.is_vector || is_const) continue;
         part.is_vector = false;
@@ -353,7 +309,7 @@ void find_output_arrays(std::vector<Part>& parts, const UserSignature& signature
 }
 
 /// Throws InputError, with a comment to write, if a part of the ray or of the primitive has no argument.
-void require_inputs(const std::vector<Part>& parts, Shape shape, const std::string& message_prefix) {
+void require_inputs(const std::vector<ArgumentPart>& parts, Shape shape, const std::string& message_prefix) {
     const auto keys = row_of(shape).keys;
     std::string missing_roles;
     const auto add_missing = [&missing_roles](const std::string& role) {
@@ -373,7 +329,7 @@ void require_inputs(const std::vector<Part>& parts, Shape shape, const std::stri
 }
 
 /// Adds the numbers that a part receives: those of its role, in the order origin, direction, keys, end of the ray.
-void add_inputs(UserSignature& signature, const Part& part, Shape shape) {
+void add_inputs(UserSignature& signature, const ArgumentPart& part, Shape shape) {
     if (part.role.empty() || part.role == "-" || is_answer_role(part.role)) return;
     constexpr std::size_t first_direction = 3, first_key = 6;
     const auto keys = row_of(shape).keys;
@@ -384,24 +340,26 @@ void add_inputs(UserSignature& signature, const Part& part, Shape shape) {
         for (std::size_t k = 0; k < key_index(part.role); ++k) input_index += keys[k].count();
     if (part.role == "tmax") input_index = first_key + row_of(shape).number_count;
 
+    if (part.component > 0) input_index += static_cast<std::size_t>(part.component);
     for (std::size_t k = 0; k < (part.is_vector ? 3U : 1U); ++k) {
         const std::string input = "in[" + std::to_string(input_index + k) + "]";
-        NumberSlot slot = part.slot;
-        slot.offset += k * part.slot.size;
+        NumberSlot slot = part.components.empty() ? part.slot : part.components[k];
+        if (part.components.empty()) slot.offset += k * part.slot.size;
         signature.inputs.push_back({slot, part.role == "1/d" ? "1 / " + input : part.role == "tmin" ? "0" : input});
     }
-    signature.text += (signature.text.empty() ? "" : ", ") + role_text(shape, part.role) + " = " + part.path;
+    signature.text += (signature.text.empty() ? "" : ", ") + role_text(shape, part.role) +
+                      (part.component < 0 ? "" : std::string(".") + "xyz"[part.component]) + " = " + part.path;
 }
 
 /// Sets the slots of the answers: in the returned value first, then in the outputs. Returns the parts of the returned
 /// value if it is a structure.
-std::vector<Part> find_answers(UserSignature& signature, const std::vector<Part>& parts) {
+std::vector<ArgumentPart> find_answers(UserSignature& signature, const std::vector<ArgumentPart>& parts) {
     const SourceType* value = &signature.returned;
     if (value->kind == Kind::optional && !value->parts.empty()) {
         signature.hit_is_optional = true;
         value = &value->parts[0];
     }
-    std::vector<Part> returned_parts;
+    std::vector<ArgumentPart> returned_parts;
     if (value->kind == Kind::number) {
         signature.t = NumberSlot{-1, 0, value->size, false};
     } else if (value->kind == Kind::integer) {
@@ -420,11 +378,11 @@ std::vector<Part> find_answers(UserSignature& signature, const std::vector<Part>
         find_output_slots(signature, returned_parts);
     }
 
-    std::vector<Part> output_parts;
-    std::ranges::copy_if(parts, std::back_inserter(output_parts), &Part::is_out);
+    std::vector<ArgumentPart> output_parts;
+    std::ranges::copy_if(parts, std::back_inserter(output_parts), &ArgumentPart::is_out);
     find_output_slots(signature, output_parts);
     // If no name says that an output is t, it is the first number that the function writes.
-    for (const Part& part : output_parts)
+    for (const ArgumentPart& part : output_parts)
         if (!part.is_vector && !part.slot.is_integer && !signature.t && part.path.find('.') == std::string::npos)
             signature.t = part.slot;
     return returned_parts;
@@ -440,15 +398,15 @@ void set_contract(UserSignature& signature, Shape shape, bool takes_tmax) {
 }
 
 /// Describes where the answers are, for the user.
-std::string answers_text(const UserSignature& signature, const std::vector<Part>& parts,
-                         const std::vector<Part>& returned_parts) {
+std::string answers_text(const UserSignature& signature, const std::vector<ArgumentPart>& parts,
+                         const std::vector<ArgumentPart>& returned_parts) {
     const auto source_of = [&](const NumberSlot& slot) -> std::string {
         if (slot.argument < 0) {
-            for (const Part& part : returned_parts)
+            for (const ArgumentPart& part : returned_parts)
                 if (part.slot.offset == slot.offset) return "its " + part.path;
             return "the result";
         }
-        for (const Part& part : parts)
+        for (const ArgumentPart& part : parts)
             if (part.slot.argument == slot.argument && part.slot.offset == slot.offset) return part.path;
         return "an argument";
     };
@@ -464,36 +422,36 @@ std::string answers_text(const UserSignature& signature, const std::vector<Part>
 
 void guess_signature(UserSignature& signature, const StatedSignature& stated, const std::string& message_prefix) {
     // The role of each part of the arguments.
-    Parts parts;
-    for (std::size_t k = 0; k < signature.arguments.size(); ++k) parts.add(signature.arguments[k], static_cast<int>(k));
-    const Shape shape = guess_shape(signature, stated, parts.all, message_prefix);
-    if (stated.has_roles) apply_stated_roles(parts.all, shape, stated);
-    else RoleGuesser(parts.all, shape).guess();
-    find_output_arrays(parts.all, signature);
-    require_inputs(parts.all, shape, message_prefix);
+    std::vector<ArgumentPart> parts = list_parts(signature.arguments);
+    if (!stated.has_roles) join_named_components(parts);
+    const Shape shape = guess_shape(signature, stated, parts, message_prefix);
+    if (stated.has_roles) apply_stated_roles(parts, shape, stated);
+    else RoleGuesser(parts, shape).guess();
+    find_output_arrays(parts, signature);
+    require_inputs(parts, shape, message_prefix);
 
     // The inputs, and the format in which the function computes.
     signature.bits = 64;
-    for (const Part& part : parts.all)
+    for (const ArgumentPart& part : parts)
         if (!part.is_out && !part.slot.is_integer && part.slot.size == 4) signature.bits = 32;
-    for (const Part& part : parts.all) add_inputs(signature, part, shape);
+    for (const ArgumentPart& part : parts) add_inputs(signature, part, shape);
     signature.text = std::string(name_of(shape)) + ": " + signature.text;
 
     // The answers.
-    const std::vector<Part> returned_parts = find_answers(signature, parts.all);
+    const std::vector<ArgumentPart> returned_parts = find_answers(signature, parts);
     if (!signature.hit && !signature.t && !signature.hit_is_optional)
         throw InputError(message_prefix +
                          ": neither its result nor an argument seems to be t or a hit flag; return t or bool, or "
                          "name the argument that receives t in a comment of the file, such as // lostbits: " +
                          std::string(name_of(shape)) + "(o, d, ..., t)");
 
-    set_contract(signature, shape, has_role(parts.all, "tmax"));
+    set_contract(signature, shape, has_role(parts, "tmax"));
     for (const auto& [key, text] : stated.properties)
         apply_stated_property(signature, key, text, stated.message_prefix);
     const bool has_hit = signature.hit || signature.hit_is_optional;
     if (has_hit && signature.miss_value.kind == MissValue::Kind::unknown)
         signature.miss_value.kind = MissValue::Kind::none;
-    signature.text += "; " + answers_text(signature, parts.all, returned_parts);
+    signature.text += "; " + answers_text(signature, parts, returned_parts);
 }
 
 }  // namespace lostbits::intersect::function

@@ -115,6 +115,45 @@ int count_numbers(const SourceType& type, std::size_t& size, std::string& last_m
 /// its own, and there may be padding between them.
 bool is_sequence_of_numbers(const SourceType& type);
 
+/// A vector or a number of an argument, and the names from which its role is guessed.
+///
+/// The role is o, d, 1/d, tmin or tmax for a part of the ray, t, far or hit for an answer, the name `key_role` for a
+/// part of the primitive, - for a part without a meaning, or empty while it is unknown.
+struct ArgumentPart {
+    NumberSlot slot;
+    bool is_vector = false;
+    std::string path;                 ///< expression in the source: "ray.origin"
+    std::string last_name;            ///< the last name of the path, normalized
+    std::string argument_names = {};  ///< normalized names of the argument and its type
+    bool is_out = false;              ///< true if the function writes the part
+    bool points_to_numbers = false;   ///< argument of type float*, which may be one number or three
+    bool has_fourth = false;          ///< a vector of four numbers, whose last one may be a radius
+    /// Slots of x, y and z, if they are three arguments or members with names of their own: ox, oy, oz.
+    std::vector<NumberSlot> components = {};
+    int component = -1;  ///< the component that a role such as `o.y` names; −1: the part is a whole
+    std::string role = {};
+};
+
+/// The role of the key with index k; `key_index` is its inverse. No shape has ten keys.
+inline std::string key_role(std::size_t k) { return "k" + std::to_string(k); }
+inline std::size_t key_index(const std::string& role) { return static_cast<std::size_t>(role[1] - '0'); }
+
+bool is_answer_role(const std::string& role);
+bool has_role(const std::vector<ArgumentPart>& parts, const std::string& role);
+
+/// Lists the vectors and numbers of the arguments, in order. Numbers that follow one another are vectors where their
+/// count allows it.
+std::vector<ArgumentPart> list_parts(const std::vector<Argument>& arguments);
+/// Joins three numbers to a vector if their names differ in a last x, y and z only: `ox, oy, oz` is the vector `o`.
+void join_named_components(std::vector<ArgumentPart>& parts);
+/// Returns the last number of a vector of four numbers as a part of its own.
+ArgumentPart fourth_number_of(ArgumentPart vector);
+
+/// Gives the parts the roles that a comment states, in the order of the arguments. A role that is a vector takes three
+/// numbers where the arguments are numbers; `o.y` names one of them. Throws InputError for a role that its part cannot
+/// have, for one that is named twice, and for an input without a role.
+void apply_stated_roles(std::vector<ArgumentPart>& parts, Shape shape, const StatedSignature& stated);
+
 /// True if a source contains the last part of a name, such as `hit` of `Sphere::hit<float>`, as a word.
 bool contains_word(const std::string& source, const std::string& name);
 /// Returns the message that a file does not have the function, with a list of the functions that the file defines. `ir`

@@ -9,6 +9,7 @@
 #include "intersect/function/common_names.hpp"
 #include "intersect/function/signature.hpp"
 #include "number/error.hpp"
+#include "shapes/number_names.hpp"
 
 namespace lostbits::intersect::function {
 namespace {
@@ -190,6 +191,137 @@ void apply_stated_property(UserSignature& signature, const std::string& key, con
         throw InputError(
             message_prefix + ": unknown property " + external::quote_text(key) +
             "; known properties are miss, roots, direction, touching, at_origin, inside, facing and flags");
+}
+
+namespace {
+
+/// True if a part is a number that the function reads.
+bool is_input_number(const ArgumentPart& part) { return !part.is_vector && !part.is_out && !part.slot.is_integer; }
+
+/// True if the parts k, k + 1 and k + 2 exist and are numbers that the function reads.
+bool are_input_numbers(const std::vector<ArgumentPart>& parts, std::size_t k) {
+    return k + 3 <= parts.size() && is_input_number(parts[k]) && is_input_number(parts[k + 1]) &&
+           is_input_number(parts[k + 2]);
+}
+
+/// Makes the numbers k, k + 1 and k + 2 one vector, with the name `last_name`.
+void join_numbers(std::vector<ArgumentPart>& parts, std::size_t k, const std::string& last_name) {
+    const auto first = parts.begin() + static_cast<std::ptrdiff_t>(k);
+    first->components = {first[0].slot, first[1].slot, first[2].slot};
+    first->path = "(" + first[0].path + ", " + first[1].path + ", " + first[2].path + ")";
+    first->last_name = last_name;
+    first->is_vector = true;
+    parts.erase(first + 1, first + 3);
+}
+
+}  // namespace
+
+void join_named_components(std::vector<ArgumentPart>& parts) {
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const std::string& name = parts[k].last_name;
+        if (name.size() < 2 || name.back() != 'x' || !are_input_numbers(parts, k)) continue;
+        const std::string stem = name.substr(0, name.size() - 1);
+        if (parts[k + 1].last_name == stem + "y" && parts[k + 2].last_name == stem + "z") join_numbers(parts, k, stem);
+    }
+}
+
+namespace {
+
+/// Finds the role that a comment names; empty if the name is unknown. Other common names of a key come last.
+std::string find_stated_role(const std::string& name, Shape shape) {
+    if (name == "-" || name.empty()) return "-";
+    if (is_one_of(name, {"o", "d", "1/d", "tmin", "tmax", "t", "far", "hit"})) return name;
+    if (is_one_of(name, {"origin", "direction"})) return name.substr(0, 1);
+    const auto keys = row_of(shape).keys;
+    for (std::size_t k = 0; k < keys.size(); ++k)
+        if (name == keys[k].name || name == keys[k].short_name) return key_role(k);
+    for (std::size_t k = 0; k < keys.size(); ++k)
+        if (is_common_name_of_key(name, keys[k], k, shape)) return key_role(k);
+    return "";
+}
+
+/// Removes the component from a role such as `o.y`, and returns its index; −1 if it has none.
+int split_component(std::string& role) {
+    constexpr std::string_view components = "xyz";
+    const std::size_t size = role.size();
+    if (size < 3 || role[size - 2] != '.' || components.find(role[size - 1]) == std::string_view::npos) return -1;
+    const auto component = static_cast<int>(components.find(role[size - 1]));
+    role.resize(size - 2);
+    return component;
+}
+
+/// Gives part `i` the role with index `i` that a comment states. If the role is a vector and the part is a number, this
+/// number and the next two are the vector.
+void apply_stated_role(std::vector<ArgumentPart>& parts, std::size_t i, Shape shape, const StatedSignature& stated) {
+    const auto fail = [&](const std::string& problem) {
+        throw InputError(stated.message_prefix + ": " + external::quote_text(stated.roles[i]) + " " + problem);
+    };
+    std::string name = normalized_name(stated.roles[i]);
+    const int component = split_component(name);
+    const std::string role = find_stated_role(name, shape);
+    if (role.empty())
+        fail("is not one of o, d, 1/d, tmin, tmax, t, far, hit, -, or a part of " + with_article(shape) + ": " +
+             key_list(shape));
+
+    const bool is_number = is_answer_role(role) || is_one_of(role, {"tmin", "tmax"}) ||
+                           (role[0] == 'k' && row_of(shape).keys[key_index(role)].count() == 1);
+    ArgumentPart& part = parts[i];
+    if (component >= 0) {
+        if (is_number || role == "-" || !is_input_number(part))
+            fail("names a component, but " + part.path + " is not one");
+        part.component = component;
+    } else if (role != "-") {
+        // A float* holds as many numbers as its role needs.
+        if (part.points_to_numbers) part.is_vector = !is_number;
+        else if (is_number && part.is_vector) fail("is a number, but " + part.path + " is a vector");
+        else if (!is_number && !part.is_vector) {
+            if (!are_input_numbers(parts, i))
+                fail("is a vector, but " + part.path + " is a number, and not the first of three");
+            join_numbers(parts, i, part.last_name);
+        }
+    }
+    const bool is_repeated =
+        role != "-" && std::ranges::any_of(parts, [&](const ArgumentPart& other) {
+            return other.role == role && (component < 0 || other.component < 0 || other.component == component);
+        });
+    if (is_repeated)
+        fail(
+            "is named twice; a vector is named once, also if its x, y and z are three arguments, or by its "
+            "components, such as o.x, o.y, o.z");
+    part.role = role;
+    part.is_out = is_answer_role(role) || (role == "-" && part.is_out);
+}
+
+/// Throws InputError if a number or a vector that the function reads has no role, or if a vector lacks a component.
+void require_complete_roles(const std::vector<ArgumentPart>& parts, const StatedSignature& stated) {
+    for (const ArgumentPart& part : parts) {
+        if (part.role.empty() && !part.is_out && !part.slot.is_integer && !part.points_to_numbers)
+            throw InputError(stated.message_prefix + ": names " + std::to_string(stated.roles.size()) +
+                             " arguments, and none for " + part.path +
+                             "; name each number and vector in order, or write - for one without a meaning");
+        const auto component_count =
+            std::ranges::count_if(parts, [&part](const ArgumentPart& other) { return other.role == part.role; });
+        if (part.component >= 0 && component_count != 3)
+            throw InputError(stated.message_prefix + ": " + part.path +
+                             " is a component of a vector, and the vector has no other ones; name all of x, y and z");
+    }
+}
+
+}  // namespace
+
+void apply_stated_roles(std::vector<ArgumentPart>& parts, Shape shape, const StatedSignature& stated) {
+    // If the comment names more arguments than there are parts, it names fourth numbers too.
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        if (parts[k].has_fourth && stated.roles.size() > parts.size())
+            parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(k) + 1, fourth_number_of(parts[k]));
+    for (std::size_t i = 0; i < stated.roles.size(); ++i) {
+        if (i >= parts.size())
+            throw InputError(stated.message_prefix + ": names " + external::quote_text(stated.roles[i]) +
+                             ", but the function takes only " + std::to_string(parts.size()) +
+                             " vectors and numbers before it");
+        apply_stated_role(parts, i, shape, stated);
+    }
+    require_complete_roles(parts, stated);
 }
 
 }  // namespace lostbits::intersect::function
