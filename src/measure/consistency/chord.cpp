@@ -5,7 +5,7 @@
 
 #include "measure/consistency/segments.hpp"
 #include "measure/offset/ball_of.hpp"
-#include "measure/truth/side.hpp"
+#include "measure/truth/compare_hit.hpp"
 #include "measure/truth/unit_direction.hpp"
 #include "number/with_number.hpp"
 

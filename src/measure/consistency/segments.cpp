@@ -7,7 +7,7 @@
 #include "measure/consistency/check.hpp"
 #include "measure/consistency/segments.hpp"
 #include "measure/render/stored_appearance.hpp"
-#include "measure/truth/side.hpp"
+#include "measure/truth/compare_hit.hpp"
 #include "number/rounded.hpp"
 #include "number/with_number.hpp"
 #include "scene/rays/rays.hpp"
@@ -20,10 +20,10 @@ using truth::Truth;
 
 namespace {
 
-/// Returns the sign of t* − m, where t* is the first t at which a ray truly hits the primitive; m > 0.
-std::optional<int> side_of_end(const Ray<double>& ray, const Primitive<double>& primitive, double m) {
+/// Returns the sign of t* − end, where t* is the first t at which a ray truly hits the primitive; end > 0.
+std::optional<int> compare_hit_with_end(const Ray<double>& ray, const Primitive<double>& primitive, double end) {
     return truth::find_at_rising_precision([&]<class E>() {
-        return truth::side_of<E>(lift_ray<E>(ray), lift_primitive<E>(primitive), E(m), truth::Length::parameter);
+        return truth::compare_hit<E>(lift_ray<E>(ray), lift_primitive<E>(primitive), E(end), truth::Length::parameter);
     });
 }
 
@@ -38,10 +38,10 @@ Truth::Decision truly_meets_shape(const Ray<double>& ray, double end, std::span<
     if (takes_end || !ray_truth.is_hit()) return ray_truth.decision;
     if (!(end > 0)) return Truth::Decision::miss;
     if (std::isinf(end)) return Truth::Decision::hit;
-    std::optional<int> side = truth::compare(ray_truth.t, truth::as_certified(end));
-    if (*side == 0) side = side_of_end(ray, primitives[ray_truth.primitive], end);
-    if (!side) return Truth::Decision::unresolved;
-    return *side < 0 ? Truth::Decision::hit : Truth::Decision::miss;
+    std::optional<int> order = truth::compare(ray_truth.t, truth::as_certified(end));
+    if (*order == 0) order = compare_hit_with_end(ray, primitives[ray_truth.primitive], end);
+    if (!order) return Truth::Decision::unresolved;
+    return *order < 0 ? Truth::Decision::hit : Truth::Decision::miss;
 }
 
 /// Returns the point seen at a pixel: o + t*·d of its ray, each coordinate rounded to the format. Returns nothing if

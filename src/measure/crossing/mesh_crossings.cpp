@@ -6,7 +6,7 @@
 #include <numeric>
 #include <optional>
 
-#include "measure/truth/side.hpp"
+#include "measure/truth/compare_hit.hpp"
 #include "number/error.hpp"
 #include "number/wide/running_error.hpp"
 #include "shapes/lift.hpp"

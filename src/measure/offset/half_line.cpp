@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "measure/truth/compare_hit.hpp"
 #include "measure/truth/enclose.hpp"
-#include "measure/truth/side.hpp"
 #include "number/error.hpp"
 #include "number/wide/running_error.hpp"
 

@@ -55,24 +55,25 @@ double find_largest_epsilon(const Holds& holds) {
 
 /// Side of m on which the answers of all rays that hit lie; rays may miss. −1 and +1 prove that no answer is m.
 template <class S>
-std::optional<int> find_side(const S& span, const Near& m, const SpanRange<Near>* range,
-                             intersect::Convention convention) {
-    return side_of<Near>(span, m, Length::parameter, range, convention);
+std::optional<int> compare_all_hits(const S& span, const Near& m, const SpanRange<Near>* range,
+                                    intersect::Convention convention) {
+    return compare_hit<Near>(span, m, Length::parameter, range, convention);
 }
-std::optional<int> find_side(const FlatSpan<Near>& span, const Near& m, const SpanRange<Near>*, intersect::Convention) {
-    return side_of_fraction(span.at, span.d2, m, Length::parameter);
+std::optional<int> compare_all_hits(const FlatSpan<Near>& span, const Near& m, const SpanRange<Near>*,
+                                    intersect::Convention) {
+    return compare_fraction(span.at, span.d2, m, Length::parameter);
 }
 /// The largest entry lies after m if any entry does, and before m if all entries do.
-std::optional<int> find_side(const SlabSpan<Near>& span, const Near& m, const SpanRange<Near>* range,
-                             intersect::Convention convention) {
+std::optional<int> compare_all_hits(const SlabSpan<Near>& span, const Near& m, const SpanRange<Near>* range,
+                                    intersect::Convention convention) {
     const bool is_exit =
         !(span.entry[0].n > Near(0) || span.entry[1].n > Near(0) || span.entry[2].n > Near(0)).is_yes();
-    if (range || is_exit) return side_of<Near>(span, m, Length::parameter, range, convention);
+    if (range || is_exit) return compare_hit<Near>(span, m, Length::parameter, range, convention);
     bool all_before = true;
     for (const Fraction<Near>& entry : span.entry) {
-        const auto side = side_of_fraction(entry, span.d2, m, Length::parameter);
-        if (side == 1) return 1;
-        all_before = all_before && side == -1;
+        const auto order = compare_fraction(entry, span.d2, m, Length::parameter);
+        if (order == 1) return 1;
+        all_before = all_before && order == -1;
     }
     return all_before ? std::optional(-1) : std::nullopt;
 }
@@ -380,10 +381,10 @@ double backward_error(const Ray<double>& ray, const Primitive<double>& primitive
     return find_largest_epsilon([&](double epsilon) {
         return question.holds_for_all_within(epsilon, [&](const auto& enclosed_ray, const auto& enclosed_primitive,
                                                           const auto* span_range, const auto& span_convention) {
-            const auto side = with_span(enclosed_ray, enclosed_primitive, [&](const auto& span) {
-                return find_side(span, enclosed_t, span_range, span_convention);
+            const auto order = with_span(enclosed_ray, enclosed_primitive, [&](const auto& span) {
+                return compare_all_hits(span, enclosed_t, span_range, span_convention);
             });
-            return (side && *side != 0) || is_off_quartic(enclosed_ray, enclosed_primitive, enclosed_t);
+            return (order && *order != 0) || is_off_quartic(enclosed_ray, enclosed_primitive, enclosed_t);
         });
     });
 }

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "measure/stability/stability.hpp"
-#include "measure/truth/side.hpp"
+#include "measure/truth/compare_hit.hpp"
 #include "measure/truth/truth.hpp"
 #include "number/wide/affine_form.hpp"
 

@@ -44,47 +44,49 @@ std::optional<int> sign_of_sum(const E& u, const E& v, const E& a) {
     return *sign_of_u * *order;
 }
 
-/// Order of a length relative to m > 0: −1 below, 0 at, +1 above. The order of the parameter f.n/f.m is the sign of
-/// f.n − m f.m. The order of the distance is the sign of f.n² d2 − (m f.m)², where d2 is the square of the direction.
+/// Order of a length relative to the target m > 0: −1 below, 0 at, +1 above. The order of the parameter f.n/f.m is the
+/// sign of f.n − m f.m. The order of the distance is the sign of f.n² d2 − (m f.m)², where d2 is the square of the
+/// direction.
 template <class E>
-std::optional<int> side_of_fraction(const Fraction<E>& f, const E& d2, const E& m, Length length) {
-    const E scaled_m = m * f.m;
-    if (length == Length::parameter) return sign<E>(f.n - scaled_m);
-    return sign<E>(square(f.n) * d2 - square(scaled_m));
+std::optional<int> compare_fraction(const Fraction<E>& f, const E& d2, const E& target, Length length) {
+    const E scaled_target = target * f.m;
+    if (length == Length::parameter) return sign<E>(f.n - scaled_target);
+    return sign<E>(square(f.n) * d2 - square(scaled_target));
 }
 
-/// Order of a root of a quadratic relative to m > 0. With P(t) = a t² + 2 h t + c, the near root is above m if P(m) > 0
-/// and a m + h < 0. The far root is above m if P(m) < 0 or a m + h < 0. For a distance m, the parameter is m/√d2, and
-/// both expressions are multiplied by a power of √d2: their signs are those of (a m² + d2 c) + 2 d2 h m/√d2 and a m +
-/// d2 h/√d2. If a < 0 (a line steeper than a cone), the line enters at the larger root, where P falls: it is the far
-/// root of −P.
+/// Order of a root of a quadratic relative to the target m > 0. With P(t) = a t² + 2 h t + c, the near root is above m
+/// if P(m) > 0 and a m + h < 0. The far root is above m if P(m) < 0 or a m + h < 0. For a distance m, the parameter is
+/// m/√d2, and both expressions are multiplied by a power of √d2: their signs are those of (a m² + d2 c) + 2 d2 h m/√d2
+/// and a m + d2 h/√d2. If a < 0 (a line steeper than a cone), the line enters at the larger root, where P falls: it is
+/// the far root of −P.
 template <class E>
-std::optional<int> side_of_root(const QuadraticSpan<E>& span, Crossing root, const E& m, Length length) {
+std::optional<int> compare_root(const QuadraticSpan<E>& span, Crossing root, const E& target, Length length) {
     const auto sign_of_a = sign<E>(span.a);
     if (!sign_of_a) return std::nullopt;
     if (*sign_of_a < 0)
-        return side_of_root<E>({-span.h, -span.c, -span.a, span.q, span.d2},
-                               root == Crossing::near ? Crossing::far : Crossing::near, m, length);
+        return compare_root<E>({-span.h, -span.c, -span.a, span.q, span.d2},
+                               root == Crossing::near ? Crossing::far : Crossing::near, target, length);
     const bool is_parameter = length == Length::parameter;
-    const auto sign_of_p =
-        is_parameter ? sign<E>((span.a * m + span.h + span.h) * m + span.c)
-                     : sign_of_sum<E>(span.a * square(m) + span.d2 * span.c, (span.h + span.h) * m * span.d2, span.d2);
+    const auto sign_of_p = is_parameter ? sign<E>((span.a * target + span.h + span.h) * target + span.c)
+                                        : sign_of_sum<E>(span.a * square(target) + span.d2 * span.c,
+                                                         (span.h + span.h) * target * span.d2, span.d2);
     if (!sign_of_p) return std::nullopt;
     if (*sign_of_p < 0) return root == Crossing::near ? -1 : 1;
     // Here P(m) ≥ 0, so m lies at a root or outside both. If m is before the middle of the roots, it is below the far
     // root; if m is after the middle, it is above the near root.
     const auto past_middle =
-        is_parameter ? sign<E>(span.a * m + span.h) : sign_of_sum<E>(span.a * m, span.d2 * span.h, span.d2);
+        is_parameter ? sign<E>(span.a * target + span.h) : sign_of_sum<E>(span.a * target, span.d2 * span.h, span.d2);
     if (!past_middle) return std::nullopt;
     if (root == Crossing::near) return *past_middle > 0 ? -1 : *sign_of_p;
     return *past_middle < 0 ? 1 : -*sign_of_p;
 }
 
-/// Order of the hit of a quadratic surface relative to m > 0, for a ray that hits. Without a range, a ray from outside
-/// hits at the near root. A ray from inside hits at the far root, and its near root lies before every m > 0.
+/// Order of the hit of a quadratic surface relative to the target m > 0, for a ray that hits. Without a range, a ray
+/// from outside hits at the near root. A ray from inside hits at the far root, and its near root lies before every m >
+/// 0.
 template <class E>
-std::optional<int> side_of(const QuadraticSpan<E>& span, const E& m, Length length, const SpanRange<E>* range,
-                           intersect::Convention convention) {
+std::optional<int> compare_hit(const QuadraticSpan<E>& span, const E& target, Length length, const SpanRange<E>* range,
+                               intersect::Convention convention) {
     Crossing crossing = Crossing::far;
     if (range) {
         const EnclosedHit<E> found = enclose(span, range, convention);
@@ -95,48 +97,51 @@ std::optional<int> side_of(const QuadraticSpan<E>& span, const E& m, Length leng
         if (!sign_of_c) return std::nullopt;
         if (*sign_of_c > 0) crossing = Crossing::near;
     }
-    if (crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, span.d2, m, length);
-    return side_of_root(span, crossing, m, length);
+    if (crossing == Crossing::begin) return compare_fraction<E>({begin_of(range), E(1)}, span.d2, target, length);
+    return compare_root(span, crossing, target, length);
 }
 
-/// Order of the point where the line enters (`Crossing::near`) or leaves, relative to m > 0.
+/// Order of the point where the line enters (`Crossing::near`) or leaves, relative to the target m > 0.
 template <class E>
-std::optional<int> side_at(const CappedSpan<E>& span, Crossing crossing, const E& m, Length length) {
+std::optional<int> compare_boundary_point(const CappedSpan<E>& span, Crossing crossing, const E& target,
+                                          Length length) {
     const bool is_entry = crossing == Crossing::near;
     if ((is_entry ? span.enters_by_cap() : span.leaves_by_cap()).is_yes())
-        return side_of_fraction(is_entry ? span.planes_entry : span.planes_exit, span.d2, m, length);
-    return side_of_root(span.side, crossing, m, length);
+        return compare_fraction(is_entry ? span.planes_entry : span.planes_exit, span.d2, target, length);
+    return compare_root(span.side, crossing, target, length);
 }
 template <class E>
-std::optional<int> side_at(const JoinedSpan<E>& span, Crossing crossing, const E& m, Length length) {
-    return side_of_root(crossing == Crossing::near ? span.enter : span.leave, crossing, m, length);
+std::optional<int> compare_boundary_point(const JoinedSpan<E>& span, Crossing crossing, const E& target,
+                                          Length length) {
+    return compare_root(crossing == Crossing::near ? span.enter : span.leave, crossing, target, length);
 }
 
 template <class E>
-std::optional<int> side_at(const FlatSpan<E>& span, Crossing, const E& m, Length length) {
-    return side_of_fraction(span.at, span.d2, m, length);
+std::optional<int> compare_boundary_point(const FlatSpan<E>& span, Crossing, const E& target, Length length) {
+    return compare_fraction(span.at, span.d2, target, length);
 }
 template <class E>
-std::optional<int> side_at(const WallSpan<E>& span, Crossing crossing, const E& m, Length length) {
-    return side_of_root(span.primitive.side, crossing, m, length);
+std::optional<int> compare_boundary_point(const WallSpan<E>& span, Crossing crossing, const E& target, Length length) {
+    return compare_root(span.primitive.side, crossing, target, length);
 }
 
-/// Order of the hit relative to m > 0, for a ray that hits.
+/// Order of the hit relative to the target m > 0, for a ray that hits.
 template <class E, class S>
-requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> side_of(const S& s, const E& m, Length length,
-                                                                               const SpanRange<E>* range,
-                                                                               intersect::Convention convention) {
+requires(ComparableSpan<S, E> || SurfaceSpan<S, E>) std::optional<int> compare_hit(const S& s, const E& target,
+                                                                                   Length length,
+                                                                                   const SpanRange<E>* range,
+                                                                                   intersect::Convention convention) {
     const EnclosedHit<E> found = enclose<E>(s, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, s.d2, m, length);
-    return side_at<E>(s, found.crossing, m, length);
+    if (found.crossing == Crossing::begin) return compare_fraction<E>({begin_of(range), E(1)}, s.d2, target, length);
+    return compare_boundary_point<E>(s, found.crossing, target, length);
 }
 
-/// Order of t* relative to m > 0, for a ray that hits. t* is the start of the range, the first entry, or the first exit
-/// if that is the answer from inside.
+/// Order of t* relative to the target m > 0, for a ray that hits. t* is the start of the range, the first entry, or the
+/// first exit if that is the answer from inside.
 template <class E>
-std::optional<int> side_of(const SlabSpan<E>& span, const E& m, Length length, const SpanRange<E>* range,
-                           intersect::Convention convention) {
+std::optional<int> compare_hit(const SlabSpan<E>& span, const E& target, Length length, const SpanRange<E>* range,
+                               intersect::Convention convention) {
     Fraction<E> answer = range ? largest_entry(span, *range) : largest_entry(span);
     if (range) {
         const EnclosedHit<E> found = enclose(span, range, convention);
@@ -145,26 +150,26 @@ std::optional<int> side_of(const SlabSpan<E>& span, const E& m, Length length, c
     } else if (convention.inside == intersect::Inside::exit && (answer.n <= E(0)).is_yes()) {
         answer = smallest_exit(span);
     }
-    return side_of_fraction(answer, span.d2, m, length);
+    return compare_fraction(answer, span.d2, target, length);
 }
 
 /// Enclosure of a number without its gradient: the number itself, or the value of a `Dual`.
 template <class E>
-struct EnclosingPart {
+struct PlainNumber {
     using type = E;
     static const E& value(const E& x) { return x; }
 };
 template <class F, std::size_t N>
-struct EnclosingPart<Dual<F, N>> {
+struct PlainNumber<Dual<F, N>> {
     using type = F;
     static const F& value(const Dual<F, N>& x) { return x.value(); }
 };
-template <class E, class F = typename EnclosingPart<E>::type>
-QuarticSpan<F> enclosing_part(const QuarticSpan<E>& span) {
-    const auto value = [](const E& x) { return EnclosingPart<E>::value(x); };
-    QuarticSpan<F> part{{{}, span.f.degree}, value(span.a), value(span.b), value(span.bound), value(span.d2)};
-    for (std::size_t i = 0; i < span.f.c.size(); ++i) part.f.c[i] = value(span.f.c[i]);
-    return part;
+template <class E, class F = typename PlainNumber<E>::type>
+QuarticSpan<F> plain_span_of(const QuarticSpan<E>& span) {
+    const auto value = [](const E& x) { return PlainNumber<E>::value(x); };
+    QuarticSpan<F> plain_span{{{}, span.f.degree}, value(span.a), value(span.b), value(span.bound), value(span.d2)};
+    for (std::size_t i = 0; i < span.f.c.size(); ++i) plain_span.f.c[i] = value(span.f.c[i]);
+    return plain_span;
 }
 
 /// Hit of a quartic surface, at one of its roots or at the start of the ray.
@@ -191,8 +196,8 @@ public:
         auto roots = enclosed_roots(span_.f, span_.bound);
         if (!roots) return {Tri::unknown};
         result_.roots = *std::move(roots);
-        const auto side = known_sign(span_.f.at(begin_));
-        if (!side) return {Tri::unknown};
+        const auto sign_at_begin = known_sign(span_.f.at(begin_));
+        if (!sign_at_begin) return {Tri::unknown};
         int next = 0;
         for (; next < result_.roots.count; ++next) {
             const auto order = result_.roots.order(next, begin_);
@@ -200,7 +205,7 @@ public:
             if (*order == 0) return hit_from_surface(next);
             if (*order > 0) break;
         }
-        return *side > 0 ? next_hit(next) : hit_from_inside(next);
+        return *sign_at_begin > 0 ? next_hit(next) : hit_from_inside(next);
     }
 
 private:
@@ -271,14 +276,14 @@ private:
     RootHit<F> result_{Tri::unknown};
 };
 
-template <class E, class F = typename EnclosingPart<E>::type>
+template <class E, class F = typename PlainNumber<E>::type>
 RootHit<F> find_root_hit(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention) {
-    const QuarticSpan<F> part = enclosing_part(span);
-    const auto value = [](const E& x) { return EnclosingPart<E>::value(x); };
+    const QuarticSpan<F> plain_span = plain_span_of(span);
+    const auto value = [](const E& x) { return PlainNumber<E>::value(x); };
     std::optional<SpanRange<F>> plain_range;
     if (range)
         plain_range = SpanRange<F>{value(range->begin), {value(range->end.n), value(range->end.m)}, range->open_ends};
-    return QuarticWalk<F>(part, plain_range ? &*plain_range : nullptr, convention).find();
+    return QuarticWalk<F>(plain_span, plain_range ? &*plain_range : nullptr, convention).find();
 }
 
 /// Encloses the hit of a quartic. If the numbers have a gradient, that of the root x follows from f(x) = 0: x' =
@@ -290,7 +295,7 @@ EnclosedHit<E> enclose(const QuarticSpan<E>& span, const SpanRange<E>* range, in
     if (found.crossing == Crossing::begin) return enclose_begin(span.d2, range, found.touching, found.on_surface);
 
     E x(found.roots[found.root].root);
-    if constexpr (!std::is_same_v<E, typename EnclosingPart<E>::type>) {
+    if constexpr (!std::is_same_v<E, typename PlainNumber<E>::type>) {
         const E f = span.f.at(x);
         const auto slope_at_root = found.roots.f.derivative().at(x.value());
         typename E::Gradient gradient;
@@ -320,19 +325,19 @@ struct QuadraticSurd {
     [[nodiscard]] std::optional<int> sign() const { return sign_of_sum<E>(u, v * d, d); }
 };
 
-/// Order of the root of a quartic that the ray hits, relative to m > 0. For a distance, the sign of the polynomial
-/// `simple` is that of `simple` times d2 to the power of its degree, which is a `QuadraticSurd`.
+/// Order of the root of a quartic that the ray hits, relative to the target m > 0. For a distance, the sign of the
+/// polynomial `simple` is that of `simple` times d2 to the power of its degree, which is a `QuadraticSurd`.
 template <class E>
-std::optional<int> side_of(const QuarticSpan<E>& span, const E& m, Length length, const SpanRange<E>* range,
-                           intersect::Convention convention) {
+std::optional<int> compare_hit(const QuarticSpan<E>& span, const E& target, Length length, const SpanRange<E>* range,
+                               intersect::Convention convention) {
     const auto found = find_root_hit(span, range, convention);
     if (!found.hit.is_yes()) return std::nullopt;
-    if (found.crossing == Crossing::begin) return side_of_fraction<E>({begin_of(range), E(1)}, span.d2, m, length);
+    if (found.crossing == Crossing::begin) return compare_fraction<E>({begin_of(range), E(1)}, span.d2, target, length);
     const EnclosedRoots<E>& roots = found.roots;
-    if (length == Length::parameter) return roots.order(found.root, span.x_at(m));
-    const QuadraticSurd<E> x{span.b * span.d2, span.a * m, span.d2};
+    if (length == Length::parameter) return roots.order(found.root, span.x_at(target));
+    const QuadraticSurd<E> x{span.b * span.d2, span.a * target, span.d2};
     return roots.order(
-        found.root, [&](const E& p) { return sign_of_sum<E>(p - span.b, -(span.a * m), span.d2); },
+        found.root, [&](const E& p) { return sign_of_sum<E>(p - span.b, -(span.a * target), span.d2); },
         [&] {
             QuadraticSurd<E> y{roots.simple.leading(), E(0), span.d2};
             E power(1);
@@ -346,9 +351,10 @@ std::optional<int> side_of(const QuarticSpan<E>& span, const E& m, Length length
 }
 
 template <class E>
-std::optional<int> side_of(const Ray<E>& ray, const Primitive<E>& primitive, const E& m, Length length,
-                           const SpanRange<E>* range = nullptr, intersect::Convention convention = {}) {
-    return with_span(ray, primitive, [&](const auto& span) { return side_of(span, m, length, range, convention); });
+std::optional<int> compare_hit(const Ray<E>& ray, const Primitive<E>& primitive, const E& target, Length length,
+                               const SpanRange<E>* range = nullptr, intersect::Convention convention = {}) {
+    return with_span(ray, primitive,
+                     [&](const auto& span) { return compare_hit(span, target, length, range, convention); });
 }
 
 }  // namespace lostbits::measure::truth

@@ -331,7 +331,7 @@ EnclosedHit<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convent
     return enclose_crossing<E>(s, Crossing::near, touching, false);
 }
 
-/// Defined in side.hpp.
+/// Defined in compare_hit.hpp.
 template <class E>
 EnclosedHit<E> enclose(const QuarticSpan<E>& span, const SpanRange<E>* range, intersect::Convention convention);
 
@@ -374,4 +374,4 @@ inline intersect::Convention convention_in(const Range<double>& range, intersect
 
 }  // namespace lostbits::measure::truth
 
-#include "measure/truth/side.hpp"
+#include "measure/truth/compare_hit.hpp"

@@ -5,7 +5,7 @@
 #include <ranges>
 
 #include "intersect/process/floating_point.hpp"
-#include "measure/truth/side.hpp"
+#include "measure/truth/compare_hit.hpp"
 #include "number/error.hpp"
 
 namespace lostbits::measure::truth {
@@ -124,10 +124,10 @@ Truth find_in_intervals(const Ray<S>& ray, const Primitive<S>& primitive, const 
             const auto power = straddled_power(x);
             if (!power) return true;
             const auto range = range_over<Interval>(options.range);
-            const auto side = side_of(wide_ray, wide_primitive, power_of_two_interval(*power), length,
-                                      range ? &*range : nullptr, options.convention);
-            if (side) x = narrow_to_side(x, *side);
-            return side.has_value();
+            const auto order = compare_hit(wide_ray, wide_primitive, power_of_two_interval(*power), length,
+                                           range ? &*range : nullptr, options.convention);
+            if (order) x = narrow_to_side(x, *order);
+            return order.has_value();
         };
 
         if (settle(enclose_under(wide_ray, wide_primitive, options), options.convention, truth, decide_binade))
@@ -172,10 +172,10 @@ double round_by_side(const Truth& truth, const Ray<S>& ray, const Primitive<S>& 
                                       ? Interval(lower) + Interval(std::ldexp(1.0, format.emax - format.precision))
                                       : (Interval(lower) + Interval(upper)) / Interval(2);
         const auto range = range_over<Interval>(options.range);
-        const auto side = side_of(lift_ray<Interval>(ray), lift_primitive<Interval>(primitive), boundary, length,
-                                  range ? &*range : nullptr, options.convention);
-        if (!side) continue;
-        if (*side != 0) return *side < 0 ? lower : upper;
+        const auto order = compare_hit(lift_ray<Interval>(ray), lift_primitive<Interval>(primitive), boundary, length,
+                                       range ? &*range : nullptr, options.convention);
+        if (!order) continue;
+        if (*order != 0) return *order < 0 ? lower : upper;
         return ordinal(lower, format) % 2 == 0 ? lower : upper;
     }
     throw Error(ExitStatus::internal, "no precision was enough to tell the side of a rounding boundary");
