@@ -7,7 +7,7 @@
 
 #include "analysis/selection/select.hpp"
 #include "analysis/selection/sweep_options.hpp"
-#include "measure/edges/nearest.hpp"
+#include "measure/edges/edge_search.hpp"
 #include "measure/tape/contraction.hpp"
 #include "measure/tape/tape_form.hpp"
 #include "output/shard/fields.hpp"
@@ -224,7 +224,7 @@ void run_edge_search(const std::filesystem::path& path, const SweepSelection& ch
     if (result_folder) require_writable(folder / "worst.csv");
     request.share = chosen.division().share();
     const auto units =
-        measure::edges::progress_units_per_row * request.share.unit_range(request.tested_forms.size()).size();
+        measure::edges::progress_units_per_form * request.share.unit_range(request.tested_forms.size()).size();
     const auto edge_results = chosen.measure_or_join(search.id, units, request, measure::edges::search_edges);
     if (!edge_results) return;
 

@@ -9,7 +9,7 @@
 
 #include "measure/check/claim_columns.hpp"
 #include "measure/check/claim_subjects.hpp"
-#include "measure/edges/nearest.hpp"
+#include "measure/edges/edge_search.hpp"
 #include "measure/sweep/sweep.hpp"
 #include "measure/sweep/worst.hpp"
 #include "scene/sweep/case_file.hpp"
@@ -215,13 +215,13 @@ const CensusMetric& census_metric(const Claim& claim) {
 }
 
 /// Number of rays of the census that the metric counts.
-std::uint64_t count_rays(const edges::EdgeFinding& finding, const CensusMetric& metric) {
+std::uint64_t count_rays(const edges::EdgeResults& finding, const CensusMetric& metric) {
     const auto outcome = static_cast<std::size_t>(std::ranges::find(edges::searched_outcomes, metric.outcome) -
                                                   edges::searched_outcomes.begin());
     std::uint64_t sum = 0;
     for (std::size_t k = 0; k < finding.census.size(); ++k)
         if (!metric.target || static_cast<std::size_t>(*metric.target) == k)
-            sum += finding.census.at(k).outcomes.at(outcome);
+            sum += finding.census.at(k).outcome_counts.at(outcome);
     return sum;
 }
 

@@ -1,4 +1,4 @@
-#include "measure/edges/nearest.hpp"
+#include "measure/edges/edge_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -157,7 +157,7 @@ public:
           format_(tested_form.format.parameters),
           random_(file_.seed) {}
 
-    void run_census(EdgeFinding& finding) {
+    void run_census(EdgeResults& finding) {
         std::int64_t rays_left = file_.census_ray_count;
         while (rays_left > 0) {
             std::vector<Eye> batch_eyes;
@@ -170,7 +170,7 @@ public:
         }
     }
 
-    void find_outcome(EdgeFinding& finding, std::size_t outcome_index) {
+    void find_outcome(EdgeResults& finding, std::size_t outcome_index) {
         outcome_index_ = outcome_index;
         const std::int64_t batch_count = (file_.ray_count + eyes_per_batch * rays_per_eye - 1) /
                                          static_cast<std::int64_t>(eyes_per_batch * rays_per_eye);
@@ -179,7 +179,7 @@ public:
         for (std::int64_t k = 0; k < batch_count && !is_near_enough(); ++k) {
             std::vector<Eye> batch_eyes;
             const std::vector<AimedRay> batch = next_batch(batch_eyes);
-            finding.ray_counts[outcome_index_] += batch.size();
+            finding.searched_ray_counts[outcome_index_] += batch.size();
 
             // Only rays that may have the outcome, at a distance of the file, are compared with the truth.
             std::vector<AimedRay> suspects = suspicious_rays(batch, [this](bool may_crack, bool may_hit_twice) {
@@ -201,12 +201,12 @@ public:
     }
 
 private:
-    static EdgeCount& count_of(const AimedRay& aimed_ray, EdgeFinding& finding) {
+    static EdgeCounts& count_of(const AimedRay& aimed_ray, EdgeResults& finding) {
         return finding.census.at(static_cast<std::size_t>(aimed_ray.vertex ? EdgeTarget::vertex : EdgeTarget::edge));
     }
 
     /// Adds the rays of a batch to the census, and their outcomes.
-    void count_batch(const std::vector<AimedRay>& batch, EdgeFinding& finding) const {
+    void count_batch(const std::vector<AimedRay>& batch, EdgeResults& finding) const {
         for (const AimedRay& aimed_ray : batch) ++count_of(aimed_ray, finding).ray_count;
         const std::vector<AimedRay> suspects =
             suspicious_rays(batch, [](bool may_crack, bool may_hit_twice) { return may_crack || may_hit_twice; });
@@ -214,7 +214,7 @@ private:
         measure(suspects, [&](const evaluate::BandResult& result) {
             for (std::size_t i = 0; i < suspects.size(); ++i)
                 for (std::size_t k = 0; k < searched_outcomes.size(); ++k)
-                    count_of(suspects[i], finding).outcomes.at(k) +=
+                    count_of(suspects[i], finding).outcome_counts.at(k) +=
                         edge_with_outcome(searched_outcomes.at(k), mesh_, suspects[i], result, i) != nullptr;
         });
     }
@@ -373,12 +373,12 @@ private:
 
 }  // namespace
 
-std::vector<EdgeFinding> search_edges(const EdgeRequest& request) {
+std::vector<EdgeResults> search_edges(const EdgeRequest& request) {
     const SearchedMesh mesh(request.search.scene);
     const auto units = request.share.unit_range(request.tested_forms.size());
-    std::vector<EdgeFinding> findings(units.size());
-    intersect::process::in_parallel(std::size_t{0}, findings.size() * progress_units_per_row, [&](std::size_t k) {
-        const std::size_t form_index = k / progress_units_per_row, unit = k % progress_units_per_row;
+    std::vector<EdgeResults> findings(units.size());
+    intersect::process::in_parallel(std::size_t{0}, findings.size() * progress_units_per_form, [&](std::size_t k) {
+        const std::size_t form_index = k / progress_units_per_form, unit = k % progress_units_per_form;
         EdgeSearch search(request, mesh, request.tested_forms[units.first + form_index]);
         if (unit == searched_outcomes.size()) search.run_census(findings[form_index]);
         else if (!request.census_only) search.find_outcome(findings[form_index], unit);

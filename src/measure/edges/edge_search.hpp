@@ -32,17 +32,17 @@ enum class EdgeTarget : std::uint8_t { edge, vertex };
 inline constexpr std::array<std::string_view, 2> edge_target_names{"edge", "vertex"};
 
 /// Number of rays of a census at one kind of target, and the number with each outcome of `searched_outcomes`.
-struct EdgeCount {
+struct EdgeCounts {
     std::uint64_t ray_count = 0;
-    std::array<std::uint64_t, searched_outcomes.size()> outcomes{};
+    std::array<std::uint64_t, searched_outcomes.size()> outcome_counts{};
 };
 
-/// Results of a search for one row, in the order of `searched_outcomes`.
-struct EdgeFinding {
-    std::array<EdgeCount, edge_target_names.size()> census{};  ///< by target
+/// Results of a search for one tested form, in the order of `searched_outcomes`.
+struct EdgeResults {
+    std::array<EdgeCounts, edge_target_names.size()> census{};  ///< by target
     std::array<std::optional<NearestRay>, searched_outcomes.size()> nearest;
     /// Number of rays tested. The search stops early when it finds a ray at the smallest distance of its range.
-    std::array<std::uint64_t, searched_outcomes.size()> ray_counts{};
+    std::array<std::uint64_t, searched_outcomes.size()> searched_ray_counts{};
 };
 
 struct EdgeRequest {
@@ -54,11 +54,11 @@ struct EdgeRequest {
     std::function<void(std::uint64_t)> progress = [](std::uint64_t) {};
 };
 
-/// Units of progress of one row: one for the census, and one for the search for each outcome.
-inline constexpr std::size_t progress_units_per_row = 1 + searched_outcomes.size();
+/// Units of progress of one tested form: one for the census, and one for the search for each outcome.
+inline constexpr std::size_t progress_units_per_form = 1 + searched_outcomes.size();
 
-/// Runs the census of each row of the share, and searches separately for each of its outcomes. The result has one
-/// element for each row of the share. It depends only on the file and its scene, not on the number of threads.
+/// Runs the census of each tested form of the share, and searches separately for each of its outcomes. The result has one
+/// element for each of them. It depends only on the file and its scene, not on the number of threads.
 ///
 /// A batch has 16 eyes with 32 rays each. An eye aims at one point of an edge; one point in four is an end of the edge.
 /// Its first ray has the direction to that point. In its other rays, each component of that direction is moved by up to
@@ -67,11 +67,11 @@ inline constexpr std::size_t progress_units_per_row = 1 + searched_outcomes.size
 /// The search draws the distance of an eye from the smallest distance of the file up to the distance of the nearest ray
 /// found so far; every octave is equally likely. Once it has found a ray, it draws half of the eyes close to that ray's
 /// eye, at 1/16 to 1 times its distance. The census draws each eye independently and over all distances of the file;
-/// every row gets the same eyes.
+/// every tested form gets the same eyes.
 ///
-/// A ray counts if the first face that it truly meets contains the edge or vertex that it is aimed at. It is not a
-/// double hit if another face that the form claims is truly at the same t, because rounding has no part in such a tie.
+/// A ray counts if the first face that it truly meets contains the edge or vertex that it is aimed at. If another face
+/// that the form claims is truly at the same t, this is a tie and not a double hit: rounding did not cause it.
 /// A ray is tested again by itself before the search accepts it.
-std::vector<EdgeFinding> search_edges(const EdgeRequest& request);
+std::vector<EdgeResults> search_edges(const EdgeRequest& request);
 
 }  // namespace lostbits::measure::edges

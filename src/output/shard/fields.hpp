@@ -4,7 +4,7 @@
 
 #include "measure/check/claim.hpp"
 #include "measure/contract/suspect.hpp"
-#include "measure/edges/nearest.hpp"
+#include "measure/edges/edge_search.hpp"
 #include "measure/evaluate/bits_needed.hpp"
 #include "measure/evaluate/evaluate.hpp"
 #include "measure/judge/judge.hpp"
@@ -65,8 +65,8 @@ LOSTBITS_FIELDS(measure::sweep::FloatTally, outcomes, worst, error_bound, first_
 LOSTBITS_FIELDS(measure::sweep::ExhaustiveState, tried_float_count, tallies, stages)
 LOSTBITS_FIELDS(measure::sweep::WorstResult, outcome, value, ray, primitive, t, truth, distance, evaluation_count)
 LOSTBITS_FIELDS(measure::edges::NearestRay, distance, numbers, faces, t, true_t)
-LOSTBITS_FIELDS(measure::edges::EdgeCount, ray_count, outcomes)
-LOSTBITS_FIELDS(measure::edges::EdgeFinding, census, nearest, ray_counts)
+LOSTBITS_FIELDS(measure::edges::EdgeCounts, ray_count, outcome_counts)
+LOSTBITS_FIELDS(measure::edges::EdgeResults, census, nearest, searched_ray_counts)
 LOSTBITS_FIELDS(measure::contract::AnswerSample, ray, primitive, truly_hits, is_unit, true_t, other_t, hit, t)
 LOSTBITS_FIELDS(measure::judge::ReportedRay, ray_index, outcome, ulps, ray_group)
 LOSTBITS_FIELDS(measure::evaluate::Group, value, summaries)

@@ -206,25 +206,26 @@ table::Table<NearestRow> nearest_table() {
 struct CensusRow {
     measure::evaluate::TestedForm tested_form;
     std::size_t target;
-    const measure::edges::EdgeCount& count;
+    const measure::edges::EdgeCounts& count;
 };
 
 table::Table<CensusRow> make_census_table() {
     using R = CensusRow;
     table::Table<R> table;
     table.add(table::make_subject_columns(), &R::tested_form);
-    table.add({{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
-                [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
-               {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.ray_count; }},
-               {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.outcomes[0]; }},
-               {"double_hit",
-                "crossings that the form counts twice, not counting rays that truly meet two triangles at one t",
-                [](const R& r) { return r.count.outcomes[1]; }}});
+    table.add(
+        {{"target", "what the rays are aimed at: points of an edge, or its ends (vertex)",
+          [](const R& r) { return std::string(measure::edges::edge_target_names.at(r.target)); }},
+         {"rays", "rays, from all distances of the search", [](const R& r) { return r.count.ray_count; }},
+         {"crack", "rays that the form lets through the surface", [](const R& r) { return r.count.outcome_counts[0]; }},
+         {"double_hit",
+          "crossings that the form counts twice, not counting rays that truly meet two triangles at one t",
+          [](const R& r) { return r.count.outcome_counts[1]; }}});
     return table;
 }
 
 /// The counts of a census in words: `12 cracks and 3 double hits of 15000 rays at edges, none of 5000 at vertices`.
-std::string census_phrase(const measure::edges::EdgeFinding& finding) {
+std::string census_phrase(const measure::edges::EdgeResults& finding) {
     std::string text;
     for (std::size_t k = 0; k < finding.census.size(); ++k) {
         const auto& [rays, outcomes] = finding.census.at(k);
@@ -254,7 +255,7 @@ void NearestWriter::write(const std::filesystem::path& folder) const {
     for (std::size_t r = 0; r < findings.size(); ++r) {
         for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
             const auto& nearest = findings[r].nearest.at(k);
-            csv.add({request.tested_forms[r], searched_name(k), findings[r].ray_counts.at(k), nearest,
+            csv.add({request.tested_forms[r], searched_name(k), findings[r].searched_ray_counts.at(k), nearest,
                      nearest ? explain(r, *nearest) : ""});
         }
     }
@@ -278,11 +279,12 @@ std::string NearestWriter::sentence(std::size_t r) const {
     for (std::size_t k = 0; k < searched_outcomes.size(); ++k) {
         const std::string outcome_phrase = map::name_in_words(searched_name(k));
         const auto& nearest = findings[r].nearest.at(k);
-        text += nearest ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
-                                      outcome_phrase, findings[r].ray_counts.at(k), nearest->distance)
-                        : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
-                                      counts.empty() || k > 0 ? "" : " the search for the nearest found",
-                                      outcome_phrase, text::count_with_noun(findings[r].ray_counts.at(k), "ray"));
+        text += nearest
+                    ? fmt::format("{} the nearest {} of {} rays is {:.4g} edge lengths away", k > 0 ? "," : "",
+                                  outcome_phrase, findings[r].searched_ray_counts.at(k), nearest->distance)
+                    : fmt::format("{}{} no {} among {}", k > 0 ? "," : "",
+                                  counts.empty() || k > 0 ? "" : " the search for the nearest found", outcome_phrase,
+                                  text::count_with_noun(findings[r].searched_ray_counts.at(k), "ray"));
     }
     return text;
 }

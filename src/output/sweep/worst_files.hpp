@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measure/edges/nearest.hpp"
+#include "measure/edges/edge_search.hpp"
 #include "measure/sweep/worst.hpp"
 
 namespace lostbits::output::sweep {
@@ -25,7 +25,7 @@ void write_worst(const std::filesystem::path& folder, const measure::sweep::Wors
 /// Results of a search along the edges of a mesh.
 struct NearestWriter {
     const measure::edges::EdgeRequest& request;
-    const std::vector<measure::edges::EdgeFinding>& findings;  ///< one per row of the request
+    const std::vector<measure::edges::EdgeResults>& findings;  ///< one per row of the request
     std::string scene_argument;                                ///< the scene as an argument of a command
 
     /// Writes worst.csv with a row for each form, format and outcome, and census.csv with a row for each form, format

@@ -1,5 +1,5 @@
 // The search along edges: its ray exists, lies within its range, and is the same on any number of threads.
-#include "measure/edges/nearest.hpp"
+#include "measure/edges/edge_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,12 @@
 #include "number/rounded.hpp"
 #include "scratch.hpp"
 
-namespace test_nearest {
+namespace test_edge_search {
 
 using namespace lostbits;
 using namespace lostbits::test;
 using measure::answer::Outcome;
-using measure::edges::EdgeCount, measure::edges::EdgeFinding;
+using measure::edges::EdgeCounts, measure::edges::EdgeResults;
 using measure::edges::NearestRay;
 using scene::sweep::EdgeSearchFile;
 
@@ -29,23 +29,23 @@ EdgeSearchFile search_of(const Scratch& folder, const std::string& more) {
     return EdgeSearchFile(folder.write("edges.toml", search_text(more)), LOSTBITS_DATA_DIR);
 }
 
-std::vector<EdgeFinding> found_by(const EdgeSearchFile& search,
+std::vector<EdgeResults> found_by(const EdgeSearchFile& search,
                                   const std::vector<measure::evaluate::TestedForm>& tested_forms) {
     return measure::edges::search_edges({.search = search, .tested_forms = tested_forms});
 }
 
-bool equal(const std::vector<EdgeFinding>& a, const std::vector<EdgeFinding>& b) {
+bool equal(const std::vector<EdgeResults>& a, const std::vector<EdgeResults>& b) {
     const auto same_ray = [](const std::optional<NearestRay>& x, const std::optional<NearestRay>& y) {
         if (!x || !y) return x.has_value() == y.has_value();
         return x->distance == y->distance && x->ray.origin == y->ray.origin && x->ray.direction == y->ray.direction &&
                x->faces == y->faces && x->true_t == y->true_t &&
                (x->t == y->t || (std::isnan(x->t) && std::isnan(y->t)));
     };
-    const auto same_count = [](const EdgeCount& x, const EdgeCount& y) {
-        return x.ray_count == y.ray_count && x.outcomes == y.outcomes;
+    const auto same_count = [](const EdgeCounts& x, const EdgeCounts& y) {
+        return x.ray_count == y.ray_count && x.outcome_counts == y.outcome_counts;
     };
-    return std::ranges::equal(a, b, [&](const EdgeFinding& x, const EdgeFinding& y) {
-        return x.ray_counts == y.ray_counts && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
+    return std::ranges::equal(a, b, [&](const EdgeResults& x, const EdgeResults& y) {
+        return x.searched_ray_counts == y.searched_ray_counts && std::ranges::equal(x.nearest, y.nearest, same_ray) &&
                std::ranges::equal(x.census, y.census, same_count);
     });
 }
@@ -62,7 +62,7 @@ TEST_CASE("the nearest ray of an edge search leaks or hits twice, triangle by tr
     REQUIRE(found.size() == rows.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
         for (std::size_t k = 0; k < measure::edges::searched_outcomes.size(); ++k) {
-            CHECK(found[r].ray_counts.at(k) <= 32768);
+            CHECK(found[r].searched_ray_counts.at(k) <= 32768);
             const auto& nearest = found[r].nearest.at(k);
             if (!nearest) continue;
             INFO(rows[r].form->info->name << ", " << k);
@@ -117,17 +117,19 @@ TEST_CASE("a census counts the cracks that contraction opens, at edges and not a
                            row("triangle.filtered", "f32"),
                            row("triangle.undivided", "f32")};
     const auto found = measure::edges::search_edges({.search = search, .tested_forms = rows, .census_only = true});
-    for (const EdgeFinding& one : found) {
+    for (const EdgeResults& one : found) {
         CHECK(one.census[0].ray_count + one.census[1].ray_count == 8000);
         CHECK(one.census[0].ray_count > 4 * one.census[1].ray_count / 2);
-        CHECK(one.ray_counts == decltype(one.ray_counts){});
+        CHECK(one.searched_ray_counts == decltype(one.searched_ray_counts){});
     }
-    const auto cracks = [&](std::size_t row, std::size_t target) { return found[row].census.at(target).outcomes[0]; };
+    const auto cracks = [&](std::size_t row, std::size_t target) {
+        return found[row].census.at(target).outcome_counts[0];
+    };
     CHECK(cracks(0, 0) + cracks(0, 1) == 0);
     CHECK(cracks(1, 0) > 40);
-    CHECK(found[0].census[0].outcomes[1] > 40);
+    CHECK(found[0].census[0].outcome_counts[1] > 40);
     for (std::size_t target : {0, 1}) {
-        CHECK(found[2].census.at(target).outcomes == std::array<std::uint64_t, 2>{});
+        CHECK(found[2].census.at(target).outcome_counts == std::array<std::uint64_t, 2>{});
         CHECK(cracks(3, target) > 40);
     }
 }
@@ -178,4 +180,4 @@ TEST_CASE("an edge search refuses primitives without edges", "[edges]") {
     refuses("scene = \"mesh-icosphere-nea\"\n", "mesh-icosphere-near");
 }
 
-}  // namespace test_nearest
+}  // namespace test_edge_search
