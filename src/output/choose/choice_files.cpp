@@ -192,13 +192,13 @@ image::Canvas draw_pareto_plot(const ChoiceResult& result) {
     spec.y.low = 0;
     trade::add_kernel_points(spec, candidate_points(result));
 
-    spec.keys = {
+    spec.legend = {
         {.label = "f32", .marker = 0, .colour = 0},
         {.label = "f64", .marker = 0, .colour = 1},
         {.label = "decides more rays wrongly than allowed", .marker = 0, .colour = plot::ink_colour, .is_hollow = true},
         {.label = "not on the Pareto front", .marker = 0, .colour = 0, .is_faint = true}};
     if (result.cheapest_index)
-        spec.keys.push_back({.label = "chosen", .marker = chosen_marker, .colour = plot::ink_colour});
+        spec.legend.push_back({.label = "chosen", .marker = chosen_marker, .colour = plot::ink_colour});
     return plot::draw_scatter_plot(spec);
 }
 

@@ -129,9 +129,10 @@ pixel::SheetFile ConsistencyPresentation::sheet(const ConsistencyStudy& study, c
         spec.bar_label = excess_unit;
     }
 
-    for (const Check* check : study.checks) spec.forms.emplace_back(check->name);
+    for (const Check* check : study.checks) spec.column_labels.emplace_back(check->name);
     for (const auto& tested_form : study.tested_forms)
-        spec.formats.push_back(fmt::format("{} {}", map::short_name(*tested_form.form->info), tested_form.format.name));
+        spec.row_labels.push_back(
+            fmt::format("{} {}", map::short_name(*tested_form.form->info), tested_form.format.name));
     return {file, std::move(spec)};
 }
 

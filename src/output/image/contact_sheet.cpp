@@ -41,8 +41,8 @@ std::vector<TextBitmap> name_lines(std::string_view name, int width) {
 }  // namespace
 
 ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
-    : spec_(std::move(spec)), cells_(spec_.forms.size() * spec_.formats.size()) {
-    if (spec_.scales.size() > 1 && spec_.scales.size() != spec_.formats.size())
+    : spec_(std::move(spec)), cells_(spec_.column_labels.size() * spec_.row_labels.size()) {
+    if (spec_.scales.size() > 1 && spec_.scales.size() != spec_.row_labels.size())
         throw std::logic_error(path.string() + ": neither one colour bar nor one per line");
     if (cells_.empty()) throw std::logic_error(path.string() + ": a contact sheet without cells");
     const Thumbnail thumbnail(spec_.field_width, spec_.field_height);
@@ -51,23 +51,24 @@ ContactSheet::ContactSheet(const std::filesystem::path& path, SheetSpec spec)
     cell_width_ = std::max(thumb_width_ + 2, min_cell_width);
 
     // Make blocks even: 22 forms are 6 + 6 + 6 + 4 rather than 7 + 7 + 7 + 1.
-    const std::size_t block_count = (spec_.forms.size() + max_columns - 1) / max_columns;
-    columns_ = static_cast<int>(
-        spec_.collapses && block_count > 1 ? first_block_forms : (spec_.forms.size() + block_count - 1) / block_count);
+    const std::size_t block_count = (spec_.column_labels.size() + max_columns - 1) / max_columns;
+    columns_ = static_cast<int>(spec_.collapses && block_count > 1
+                                    ? first_block_forms
+                                    : (spec_.column_labels.size() + block_count - 1) / block_count);
 
     // Sizes of a cell, a line and a block of the grid.
-    for (const auto& format : spec_.formats) {
+    for (const auto& format : spec_.row_labels) {
         row_label_width_ =
             std::max(row_label_width_, image_backend().render_text(format, style::text_size, FontWeight::bold).width);
     }
-    for (const auto& form : spec_.forms)
+    for (const auto& form : spec_.column_labels)
         column_head_height_ = std::max(
             column_head_height_, column_head + name_line * static_cast<int>(name_lines(form, cell_width_).size() - 1));
     const bool has_bar_per_line = spec_.scales.size() > 1;
     row_height_ = std::max(thumb_height_ + 2 + 3 + static_cast<int>(spec_.note_lines) * note_line,
                            has_bar_per_line ? line_bar_height : 0) +
                   style::gap;
-    block_height_ = column_head_height_ + static_cast<int>(spec_.formats.size()) * row_height_;
+    block_height_ = column_head_height_ + static_cast<int>(spec_.row_labels.size()) * row_height_;
     grid_width_ = row_label_width_ + style::gap + columns_ * (cell_width_ + style::gap);
 
     draw_colour_bars();
@@ -92,10 +93,10 @@ void ContactSheet::draw_colour_bars() {
 }
 
 ContactSheet::Cell& ContactSheet::cell(std::size_t form, std::size_t format) {
-    if (form >= spec_.forms.size() || format >= spec_.formats.size()) {
+    if (form >= spec_.column_labels.size() || format >= spec_.row_labels.size()) {
         throw std::logic_error("contact sheet: no such cell");
     }
-    return cells_[format * spec_.forms.size() + form];
+    return cells_[format * spec_.column_labels.size() + form];
 }
 
 void ContactSheet::add_rows(std::size_t form, std::size_t format, int y_begin, std::span<const Rgb8> samples) {
@@ -208,7 +209,7 @@ int ContactSheet::block_y(int block) const {
 }
 
 bool ContactSheet::look_alike(std::size_t form_a, std::size_t form_b) const {
-    for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
+    for (std::size_t first = 0; first < cells_.size(); first += spec_.column_labels.size()) {
         const Cell &cell_a = cells_[first + form_a], &cell_b = cells_[first + form_b];
         const bool is_drawn = cell_a.thumbnail && cell_a.thumbnail->is_complete();
         if (cell_a.note != cell_b.note || cell_a.zoom != cell_b.zoom ||
@@ -221,7 +222,7 @@ bool ContactSheet::look_alike(std::size_t form_a, std::size_t form_b) const {
 
 std::vector<ContactSheet::FormGroup> ContactSheet::group_columns(std::span<const std::size_t> order) const {
     std::vector<FormGroup> columns;
-    for (std::size_t position = 0; position < spec_.forms.size(); ++position) {
+    for (std::size_t position = 0; position < spec_.column_labels.size(); ++position) {
         const std::size_t form = order.empty() ? position : order[position];
         const auto shared = std::ranges::find_if(
             columns, [&](const FormGroup& column) { return spec_.collapses && look_alike(column.front(), form); });
@@ -237,7 +238,7 @@ std::uint64_t ContactSheet::difference(std::size_t form_a, std::size_t form_b) c
         return static_cast<std::uint64_t>(std::abs(x - y));
     };
     std::uint64_t sum = 0;
-    for (std::size_t first = 0; first < cells_.size(); first += spec_.forms.size()) {
+    for (std::size_t first = 0; first < cells_.size(); first += spec_.column_labels.size()) {
         const Cell &cell_a = cells_[first + form_a], &cell_b = cells_[first + form_b];
         if (!cell_a.thumbnail || !cell_a.thumbnail->is_complete() || !cell_b.thumbnail ||
             !cell_b.thumbnail->is_complete())
@@ -303,25 +304,25 @@ void ContactSheet::draw_bars(Canvas& canvas, std::size_t columns) const {
 
 /// Draws the names of the forms and their cells.
 void ContactSheet::draw_column(Canvas& canvas, int x, int y, const FormGroup& forms) {
-    const auto names = name_lines(spec_.forms[forms.front()], cell_width_);
+    const auto names = name_lines(spec_.column_labels[forms.front()], cell_width_);
     for (std::size_t i = 0; i < names.size(); ++i)
         canvas.text(x, y + static_cast<int>(i) * name_line, names[i], style::ink);
     if (forms.size() > 1) {
         std::string same_forms = "same:";
-        for (const std::size_t form : std::span(forms).subspan(1)) same_forms += " " + spec_.forms[form];
+        for (const std::size_t form : std::span(forms).subspan(1)) same_forms += " " + spec_.column_labels[form];
         if (image_backend().render_text(same_forms, style::smallest_size).width > cell_width_)
             same_forms = "same: " + std::to_string(forms.size() - 1) + " more forms";
         canvas.text(x, y + static_cast<int>(names.size()) * name_line,
                     fit_text(same_forms, style::small_size, FontWeight::regular, cell_width_), style::soft_ink);
     }
-    for (std::size_t format = 0; format < spec_.formats.size(); ++format)
+    for (std::size_t format = 0; format < spec_.row_labels.size(); ++format)
         draw_cell(canvas, x, y + column_head_height_ + static_cast<int>(format) * row_height_,
                   cell(forms.front(), format));
 }
 
 void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const std::size_t> order,
                           std::string_view headline) {
-    if (!order.empty() && order.size() != spec_.forms.size())
+    if (!order.empty() && order.size() != spec_.column_labels.size())
         throw std::logic_error("contact sheet: the order does not have every form");
     if (!headline.empty()) {
         spec_.subtitle.insert(spec_.subtitle.begin(), spec_.title);
@@ -333,7 +334,8 @@ void ContactSheet::finish(std::span<const LegendEntry> legend, std::span<const s
     auto columns = group_columns(order);
     has_selection_block_ = spec_.collapses && !order.empty() && columns.size() > static_cast<std::size_t>(columns_);
     if (has_selection_block_) move_most_different_first(columns);
-    if (columns.size() < spec_.forms.size()) {  // the names of forms that share a column are a line of their own
+    if (columns.size() <
+        spec_.column_labels.size()) {  // the names of forms that share a column are a line of their own
         column_head_height_ += name_line;
         block_height_ += name_line;
     }
@@ -355,8 +357,9 @@ void ContactSheet::draw_grid(Canvas& canvas, const std::vector<FormGroup>& colum
         draw_column(canvas,
                     style::margin + row_label_width_ + style::gap + column_in_block * (cell_width_ + style::gap), y,
                     columns[position]);
-        for (std::size_t format = 0; format < spec_.formats.size() && column_in_block == 0; ++format) {
-            const auto label = image_backend().render_text(spec_.formats[format], style::text_size, FontWeight::bold);
+        for (std::size_t format = 0; format < spec_.row_labels.size() && column_in_block == 0; ++format) {
+            const auto label =
+                image_backend().render_text(spec_.row_labels[format], style::text_size, FontWeight::bold);
             canvas.text(
                 style::margin,
                 y + column_head_height_ + static_cast<int>(format) * row_height_ + (thumb_height_ - label.height) / 2,

@@ -66,15 +66,15 @@ private:
 struct SheetSpec {
     std::string title;
     std::vector<std::string> subtitle;
-    std::vector<std::string> forms = {};    ///< across
-    std::vector<std::string> formats = {};  ///< down
-    int field_width = 0, field_height = 0;  ///< size of every cell, in samples
-    std::vector<ColourScale> scales = {};   ///< empty, or one for all cells, or one for each line of cells
-    std::string bar_label = {};             ///< label over a colour bar
-    bool shows_categories = false;          ///< colours stand for categories, so they are not averaged
-    std::size_t note_lines = 4;             ///< number of lines of small text under each cell
-    bool collapses = false;                 ///< forms whose cells and texts are all the same share a column
-    bool zooms = false;                     ///< cells keep their samples, so that `set_zoom` can enlarge some of them
+    std::vector<std::string> column_labels = {};  ///< such as forms
+    std::vector<std::string> row_labels = {};     ///< such as formats
+    int field_width = 0, field_height = 0;        ///< size of every cell, in samples
+    std::vector<ColourScale> scales = {};         ///< empty, or one for all cells, or one for each line of cells
+    std::string bar_label = {};                   ///< label over a colour bar
+    bool shows_categories = false;                ///< colours stand for categories, so they are not averaged
+    std::size_t note_lines = 4;                   ///< number of lines of small text under each cell
+    bool collapses = false;                       ///< forms whose cells and texts are all the same share a column
+    bool zooms = false;  ///< cells keep their samples, so that `set_zoom` can enlarge some of them
 };
 
 /// A grid of thumbnails: forms across and formats down, in blocks of at most seven forms. If forms collapse and still

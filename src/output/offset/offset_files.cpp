@@ -173,18 +173,18 @@ pixel::SheetFile OffsetPresentation::sheet(const OffsetStudy& study, const std::
                                  study.scene.id, study.scene.width, study.scene.height),
                      "first column: the smallest safe offset, in ulps of the largest coordinate; then each strategy, "
                      "with its share of rays that go wrong"},
-        .forms = {"smallest safe"},
+        .column_labels = {"smallest safe"},
         .scales = {*make_safe_offset_look().scale},
         .bar_label = safe_unit,
         .shows_categories = true};
 
     // A column for each strategy, and a line for each row and side.
-    for (const Strategy* strategy : study.strategies) spec.forms.push_back(short_name(*strategy));
+    for (const Strategy* strategy : study.strategies) spec.column_labels.push_back(short_name(*strategy));
     for (const OffsetForm& offset_form : study.tested_forms) {
         for (const Side side : both_sides)
-            spec.formats.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_form.tested_form.form->info),
-                                               offset_form.tested_form.format.name, name_of(offset_form.point_kind),
-                                               name_of(side)));
+            spec.row_labels.push_back(fmt::format("{} {} {} {}", map::short_name(*offset_form.tested_form.form->info),
+                                                  offset_form.tested_form.format.name, name_of(offset_form.point_kind),
+                                                  name_of(side)));
     }
     return {file, std::move(spec)};
 }

@@ -50,45 +50,45 @@ LabelBox box_around(Point a, Point b) {
     return {std::min(a.x, b.x) - 1, std::min(a.y, b.y) - 1, std::fabs(a.x - b.x) + 2, std::fabs(a.y - b.y) + 2};
 }
 
-/// Legend of the keys side by side, in as many lines as needed.
-class KeyLegend {
+/// The entries of a legend side by side, in as many lines as needed.
+class ScatterLegend {
 public:
-    KeyLegend(const std::vector<ScatterPlotSpec::Key>& keys, int width) {
+    ScatterLegend(const std::vector<ScatterPlotSpec::LegendEntry>& legend, int width) {
         int x = 0, y = 0;
-        for (const auto& key : keys) {
-            TextBitmap text = image::image_backend().render_text(key.label, image::style::text_size);
-            const int entry_width = marker_width + text.width + key_gap;
+        for (const auto& legend_entry : legend) {
+            TextBitmap text = image::image_backend().render_text(legend_entry.label, image::style::text_size);
+            const int entry_width = marker_width + text.width + entry_gap;
             if (x > 0 && x + entry_width > width) {
                 x = 0;
                 y += line_height;
             }
-            entries_.push_back({&key, std::move(text), x, y});
+            placed_entries_.push_back({&legend_entry, std::move(text), x, y});
             x += entry_width;
         }
-        if (!keys.empty()) height_ = y + line_height;
+        if (!legend.empty()) height_ = y + line_height;
     }
     [[nodiscard]] int height() const { return height_; }
 
     void draw(Canvas& canvas, int x, int y) const {
         Stroke stroke({0, 0, canvas.width(), canvas.height()});
-        for (const auto& entry : entries_) {
-            const Point centre{x + entry.x + marker_width / 2.0, y + entry.y + line_height / 2.0};
-            paint_marker(
-                canvas, stroke, centre,
-                {entry.key->marker, point_colour(entry.key->colour, entry.key->is_faint), entry.key->is_hollow});
-            canvas.text(x + entry.x + marker_width, y + entry.y + (line_height - entry.text.height) / 2, entry.text,
+        for (const auto& placed : placed_entries_) {
+            const Point centre{x + placed.x + marker_width / 2.0, y + placed.y + line_height / 2.0};
+            paint_marker(canvas, stroke, centre,
+                         {placed.entry->marker, point_colour(placed.entry->colour, placed.entry->is_faint),
+                          placed.entry->is_hollow});
+            canvas.text(x + placed.x + marker_width, y + placed.y + (line_height - placed.text.height) / 2, placed.text,
                         image::style::ink);
         }
     }
 
 private:
-    static constexpr int marker_width = 18, key_gap = 20, line_height = 20;
-    struct Entry {
-        const ScatterPlotSpec::Key* key;
+    static constexpr int marker_width = 18, entry_gap = 20, line_height = 20;
+    struct PlacedEntry {
+        const ScatterPlotSpec::LegendEntry* entry;
         TextBitmap text;
         int x, y;
     };
-    std::vector<Entry> entries_;
+    std::vector<PlacedEntry> placed_entries_;
     int height_ = 0;
 };
 
@@ -122,7 +122,7 @@ public:
             if (p.is_faint != is_faint || !is_on_axes(p, x_, y_)) continue;
             const Rgb8 colour = point_colour(p.colour, p.is_faint);
             const Point centre = point_at(p.x, p.y);
-            if (!p.key.empty()) canvas.set_mark_data({p.key, {centre.x}, {centre.y}});
+            if (!p.script_id.empty()) canvas.set_mark_data({p.script_id, {centre.x}, {centre.y}});
             if (!is_faint) {
                 const std::array<Point, 2> spread{point_at(p.x_low, p.y), point_at(p.x_high, p.y)};
                 stroke_.polyline(spread, 1);
@@ -203,7 +203,7 @@ Canvas draw_scatter_plot(const ScatterPlotSpec& spec) {
     const AxisRange x = axis_range(spec, spec.x, &ScatterPoint::x), y = axis_range(spec, spec.y, &ScatterPoint::y);
     const int content_width = spec.width - 2 * image::style::margin;
     const Canvas head = image::heading(spec.title, spec.subtitle, content_width);
-    const KeyLegend legend(spec.keys, content_width);
+    const ScatterLegend legend(spec.legend, content_width);
     const PlotAxes axes(x, y, content_width - 60, spec.height - 200);
     const auto undrawn_count = static_cast<int>(
         std::ranges::count_if(spec.points, [&](const ScatterPoint& p) { return !is_on_axes(p, x, y); }));

@@ -9,7 +9,7 @@
 
 namespace lostbits::output::plot {
 
-/// Palette index of the black of texts, for legend entries that explain the marker rather than the colour.
+/// Palette index of the colour of texts (black), for legend entries that explain a marker and not a colour.
 inline constexpr std::size_t ink_colour = 4;
 
 struct ScatterPoint {
@@ -20,7 +20,7 @@ struct ScatterPoint {
     bool is_faint = false;   ///< grey, without a bar and a label
     bool is_hollow = false;  ///< the marker has a hole
     std::string label = {};
-    std::string key = {};  ///< for a script: what the point shows; see `MarkData`
+    std::string script_id = {};  ///< what the point shows, for a script; see `MarkData`
 };
 
 struct ScatterPlotSpec {
@@ -33,14 +33,13 @@ struct ScatterPlotSpec {
         bool is_solid = true;  ///< the line to the next step is solid; otherwise dashed
     };
     std::vector<Step> pareto_front;  ///< x does not fall; the line from a step goes right, then up or down
-    /// Entry of the legend.
-    struct Key {
+    struct LegendEntry {
         std::string label;
         int marker;
         std::size_t colour;
         bool is_faint = false, is_hollow = false;
     };
-    std::vector<Key> keys;  ///< the legend below the frame
+    std::vector<LegendEntry> legend;  ///< below the frame
     int width = 1100, height = 760;
 };
 

@@ -82,13 +82,13 @@ image::SheetSpec make_sheet_spec(const RenderStudy& study, const map::FormGrid& 
                                                    scene.width, scene.height),
                                        "the picture of each form in each format, next to the certified one", sheet_note,
                                        map::input_note(scene, study.tested_forms)},
-                          .forms = {"certified"}};
+                          .column_labels = {"certified"}};
     std::erase(spec.subtitle, "");
 
-    spec.forms.insert(spec.forms.end(), grid.forms.begin(), grid.forms.end());
+    spec.column_labels.insert(spec.column_labels.end(), grid.forms.begin(), grid.forms.end());
     for (const Stage stage : study.stages)
         for (const std::string& format : grid.formats)
-            spec.formats.push_back(fmt::format("{}, {}", name_of(stage), format));
+            spec.row_labels.push_back(fmt::format("{}, {}", name_of(stage), format));
     return spec;
 }
 

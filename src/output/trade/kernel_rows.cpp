@@ -45,7 +45,7 @@ void add_kernel_points(plot::ScatterPlotSpec& spec, const std::vector<KernelPoin
                                .label = !has_label        ? std::string()
                                         : p.label.empty() ? map::short_name(*p.tested_form.form->info)
                                                           : p.label,
-                               .key = map::tested_form_name(p.tested_form) + " " + std::to_string(k)});
+                               .script_id = map::tested_form_name(p.tested_form) + " " + std::to_string(k)});
         if (!is_dominated[k] && !std::isnan(p.quality.kept_bits)) front_indices.push_back(k);
     }
 

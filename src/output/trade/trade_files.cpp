@@ -184,8 +184,8 @@ int marker_of(const TradeKernel& kernel) {
     return entry == std::end(kernel_markers) ? 0 : entry->marker;
 }
 
-std::vector<ScatterPlotSpec::Key> make_legend_keys(const TradeRequest& request) {
-    std::vector<ScatterPlotSpec::Key> keys;
+std::vector<ScatterPlotSpec::LegendEntry> make_legend_keys(const TradeRequest& request) {
+    std::vector<ScatterPlotSpec::LegendEntry> keys;
     // The colours of the formats, and the markers of the register widths.
     for (const auto& [engine, name] : {std::pair{Format::Engine::native32, "f32"}, {Format::Engine::native64, "f64"}}) {
         const auto has_engine = [engine = engine](const TradeKernel& kernel) {
@@ -256,7 +256,7 @@ ScatterPlotSpec make_trade_plot(const TradeRequest& request, const TradeResult& 
                           .is_hollow = !qualities[k].never_wrong()});
     }
     add_kernel_points(spec, points);
-    spec.keys = make_legend_keys(request);
+    spec.legend = make_legend_keys(request);
     return spec;
 }
 

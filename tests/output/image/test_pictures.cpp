@@ -209,8 +209,8 @@ PngImage sheet_of(const fs::path& path, std::size_t forms, std::size_t formats, 
     ContactSheet sheet(
         path, {.title = "A contact sheet with a title that is longer than a small page is wide, so that it wraps",
                .subtitle = {"one line", "another"},
-               .forms = words("sphere.a_rather_long_name_", forms),
-               .formats = words("p", formats),
+               .column_labels = words("sphere.a_rather_long_name_", forms),
+               .row_labels = words("p", formats),
                .field_width = 64,
                .field_height = 32,
                .scales = {viridis()},
@@ -256,7 +256,7 @@ TEST_CASE("each row of a contact sheet has its own colour bar where formats diff
     const auto sheet = [&](const char* name, std::size_t forms, std::vector<ColourScale> scales) {
         ContactSheet page(folder / name, {.title = "T",
                                           .subtitle = {},
-                                          .forms = words("form_", forms),
+                                          .column_labels = words("form_", forms),
                                           .formats = {"f32", "f64"},
                                           .field_width = 64,
                                           .field_height = 64,
@@ -281,7 +281,7 @@ TEST_CASE("forms that are alike in every format share a column, and a headline t
     const auto sheet = [&](bool collapses, const char* note, const char* headline) {
         ContactSheet page(folder / "s.png", {.title = "T",
                                              .subtitle = {},
-                                             .forms = words("form_", 8),
+                                             .column_labels = words("form_", 8),
                                              .formats = {"f32", "f64"},
                                              .field_width = 160,
                                              .field_height = 160,
@@ -314,7 +314,7 @@ TEST_CASE("the forms that differ most come first: the best, the worst, and the m
     constexpr std::size_t forms = 9;
     ContactSheet sheet(folder / "s.png", {.title = "T",
                                           .subtitle = {},
-                                          .forms = words("form_", forms),
+                                          .column_labels = words("form_", forms),
                                           .formats = {"f32"},
                                           .field_width = 160,
                                           .field_height = 160,

@@ -132,11 +132,11 @@ TEST_CASE("every key in speed-accuracy plots has its own style, and the plot say
     }
     const auto spec = trade::make_trade_plot(request, result, 0);
     std::set<std::tuple<int, std::size_t, bool, bool>> seen;
-    for (const auto& key : spec.keys) {
-        CAPTURE(key.label);
-        CHECK(seen.insert({key.marker, key.is_faint ? 0 : key.colour, key.is_faint, key.is_hollow}).second);
+    for (const auto& entry : spec.legend) {
+        CAPTURE(entry.label);
+        CHECK(seen.insert({entry.marker, entry.is_faint ? 0 : entry.colour, entry.is_faint, entry.is_hollow}).second);
     }
-    CHECK(spec.keys.size() == 8);
+    CHECK(spec.legend.size() == 8);
     CHECK(spec.x.has_decimal_ticks);
     REQUIRE(sets.size() > 1);
     for (std::size_t s = 0; s < sets.size(); ++s) {

@@ -31,7 +31,7 @@ ScatterPlotSpec small() {
         {.x = 4, .y = 20, .x_low = 3.5, .x_high = 5, .marker = 3, .colour = 1, .is_hollow = true, .label = "four"},
         {.x = 6, .y = 5, .x_low = 6, .x_high = 6, .is_faint = true}};
     spec.pareto_front = {{1, 10, true}, {4, 20, false}};
-    spec.keys = {{"f32", 0, 0}, {"dominated", 0, 0, true}};
+    spec.legend = {{"f32", 0, 0}, {"dominated", 0, 0, true}};
     return spec;
 }
 
