@@ -247,7 +247,7 @@ RunDivision divide_check(const CheckOptions& options, const std::filesystem::pat
     RunDivision run_division =
         divide_run(options.shard, options.report,
                    is_whole_run ? std::vector<std::filesystem::path>{} : input_files(options, data), common);
-    run_division.division.expect({"check"});
+    run_division.division.require_same_jobs({"check"});
     return run_division;
 }
 

@@ -285,8 +285,8 @@ void add_given_ray_options(const shell::Command& command, selection::RayOptions&
 void add_range_options(const shell::Command& command, RangeOptions& range_options) {
     const auto ranges = command.add(
         "--ranges", range_options.is_given,
-        "Bound the error of t for every ray whose numbers lie within the ranges that the rays of a scene, or of a "
-        "step of a sweep, span");
+        "Bound the error of t for all rays whose inputs lie between the smallest and the largest ones of a scene, or "
+        "of a step of a sweep");
     command
         .add("--at-step", range_options.step,
              "The step of a sweep for --ranges, given by one value per axis: 4096, or 4096,0.5")

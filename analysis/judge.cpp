@@ -278,7 +278,7 @@ RunDivision divide_judgement(const JudgeOptions& options, const std::optional<sc
     std::vector<std::filesystem::path> input_files{options.file};
     if (scene) input_files.push_back(scene->path);
     RunDivision run_division = divide_run(options.shard, options.out, input_files, common);
-    run_division.division.expect({"judge"});
+    run_division.division.require_same_jobs({"judge"});
     return run_division;
 }
 

@@ -302,7 +302,7 @@ RunDivision divide_map(const MapOptions& options, const std::vector<PlannedScene
         if (planned.bits_needed) jobs.push_back(bits_needed_job(*planned.map.scene));
     }
     auto run_division = divide_run(options.shard, options.out, files, common);
-    run_division.division.expect(jobs);
+    run_division.division.require_same_jobs(jobs);
     return run_division;
 }
 
@@ -313,7 +313,7 @@ void print_notes(const std::vector<PlannedScene>& planned_scenes, const MapOptio
         selection::note_forms_without_formula(drawn_metrics, planned.map.tested_forms, quiet);
     if (options.bits_needed > 0 && !quiet) note_forms_without_every_width(planned_scenes);
     for (const PlannedScene& planned : planned_scenes)
-        selection::note_numbers(*planned.map.scene, options.scenes.set, planned.map.tested_forms, quiet);
+        selection::warn_of_ineffective_numbers(*planned.map.scene, options.scenes.set, planned.map.tested_forms, quiet);
 }
 
 /// Maps the scenes one after another. Returns the number of their rays without a proved truth.

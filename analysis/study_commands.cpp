@@ -221,9 +221,10 @@ ExitStatus run_command(const StudyOptions& options, const CommonOptions& common)
     const selection::ThreadLimit limit(common.threads);
     auto planned = plan_studies<Adapter>(scenes, rows, options, common);
     auto run_division = divide_run(options.shard, options.out, planned.input_files, common);
-    run_division.division.expect(planned.jobs);
+    run_division.division.require_same_jobs(planned.jobs);
     SceneFolders folders(scenes, run_division, common);
-    for (const auto& scene : scenes) selection::note_numbers(scene, options.scenes.set, rows, common.quiet);
+    for (const auto& scene : scenes)
+        selection::warn_of_ineffective_numbers(scene, options.scenes.set, rows, common.quiet);
 
     output::file::Progress progress(planned.units / run_division.division.share().count, Adapter::name, common.progress,
                                     common.quiet);

@@ -257,7 +257,7 @@ RunDivision divide_sweeps(const std::vector<PlannedSweepFile>& sweeps, const Swe
         jobs.push_back("sweep " + sweep.path.stem().string());
     }
     RunDivision run_division = divide_run(options.shard, options.out, files, common, options.resume);
-    run_division.division.expect(jobs);
+    run_division.division.require_same_jobs(jobs);
     return run_division;
 }
 

@@ -187,8 +187,8 @@ void note_ineffective_settings(const std::vector<std::string>& set, const std::s
 
 /// Calls `note_unrepresentable_numbers` and `note_ineffective_settings` for a scene that `set` has changed; does
 /// nothing if `quiet`.
-void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
-                  const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
+void warn_of_ineffective_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
+                                 const std::vector<measure::evaluate::TestedForm>& tested_forms, bool quiet);
 
 /// A line `FORM FORMAT: text` for each tested form that is not in the catalogue and for which `suspicion` returns a
 /// text. `suspicion` returns an empty text if nothing seems wrong (`measure::contract::suspicion_text`).

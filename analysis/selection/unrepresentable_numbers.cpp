@@ -127,8 +127,8 @@ void note_ineffective_settings(const std::vector<std::string>& set, const std::s
     }
 }
 
-void note_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
-                  const std::vector<TestedForm>& tested_forms, bool quiet) {
+void warn_of_ineffective_numbers(const scene::file::Scene& scene, const std::vector<std::string>& set,
+                                 const std::vector<TestedForm>& tested_forms, bool quiet) {
     if (quiet) return;
     note_unrepresentable_numbers(scene, tested_forms);
     note_ineffective_settings(set, scene.id, tested_forms);

@@ -109,7 +109,7 @@ public:
     }
 
     /// Names all jobs of the run. Throws InputError if shards that are joined have other jobs.
-    void expect(const std::vector<std::string>& jobs) const {
+    void require_same_jobs(const std::vector<std::string>& jobs) const {
         if (shards_to_join_) shards_to_join_->require_same_jobs(jobs);
     }
 

@@ -127,8 +127,8 @@ QuadraticAt<T> quadratic_at(const QuadraticSpan<T>& span, const Fraction<T>& t) 
 /// Let a be the largest entry and b the smallest exit. The line is in the closed primitive for a ≤ t ≤ b and in the
 /// open one for a < t < b. For a range that holds some t:
 ///     closed:  a ≤ b,  tmin ≤ b,  a ≤ tmax          open:  a < b,  tmin < b,  a < tmax
-/// At an open end the closed primitive has < too (if a < 0 = tmax, the origin is inside). Entry and exit of one
-/// axis are in the order of lo and hi.
+/// At an open end, `closed` has < as well. (With tmax = 0, a < tmax then says that the origin is inside.) Entry and
+/// exit of one axis are in the order of lo and hi.
 template <class T>
 struct SlabHit {
     mask_t<T> closed, open;

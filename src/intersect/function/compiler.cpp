@@ -63,15 +63,15 @@ bool is_shader(const fs::path& file) {
     return std::ranges::find(endings, file.extension().string()) != endings.end();
 }
 
-Compiler::Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms)
+Compiler::Compiler(const fs::path& file, SourceLanguage language, const CompileSettings& settings)
     : file_(fs::absolute(file).lexically_normal()),
       language_(language),
-      terms_(terms),
+      settings_(settings),
       temporary_folder_("lostbits-function") {
-    if (terms_.headers.empty()) terms_.headers = file_.parent_path();
-    program_ = language == SourceLanguage::cpp ? "clang++" : language == SourceLanguage::rust ? "rustc" : "clang";
-    require_in_path(program_, language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
-                                                               : "the Debian package clang");
+    if (settings_.headers.empty()) settings_.headers = file_.parent_path();
+    compiler_ = language == SourceLanguage::cpp ? "clang++" : language == SourceLanguage::rust ? "rustc" : "clang";
+    require_in_path(compiler_, language == SourceLanguage::rust ? "rustup, or the Debian package rustc"
+                                                                : "the Debian package clang");
 }
 
 auto Compiler::ir_of_file() -> FileText {
@@ -121,10 +121,10 @@ auto Compiler::ir_of_shader() -> FileText {
     const bool is_binary = file_.extension() == ".spv";
     if (is_binary) run({"spirv-val"}, file_, {});
 
-    const fs::path code = is_binary ? file_ : spirv_of_shader(result.source, lines);
-    const fs::path text = temporary_folder_.path / "function.spvasm";
-    run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, code, text);
-    const std::string assembly = read_file(text);
+    const fs::path spirv_file = is_binary ? file_ : spirv_of_shader(result.source, lines);
+    const fs::path assembly_file = temporary_folder_.path / "function.spvasm";
+    run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, spirv_file, assembly_file);
+    const std::string assembly = read_file(assembly_file);
     if (is_binary) result.source = assembly;
 
     // A binary may name its source file. If that file is beside the binary, positions refer to its lines.
@@ -171,7 +171,7 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
 bool Compiler::has_opaque_pointers() {
     const fs::path source = temporary_folder_.path / "pointer.c", output = temporary_folder_.path / "pointer.ll";
     write_text(source, "void f(float* p) { *p = 0; }\n");
-    run({program_, "-S", "-emit-llvm"}, source, output);
+    run({compiler_, "-S", "-emit-llvm"}, source, output);
     return read_file(output).find("ptr ") != std::string::npos;
 }
 
@@ -186,17 +186,17 @@ fs::path Compiler::write_source(const std::string& text) {
 }
 
 process::ProgramArguments Compiler::clang_arguments() const {
-    process::ProgramArguments arguments{program_, "-w", "-ffp-contract=off"};
+    process::ProgramArguments arguments{compiler_, "-w", "-ffp-contract=off"};
     if (language_ == SourceLanguage::llvm) return arguments;
     arguments.insert(arguments.end(),
-                     {"-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing", "-I" + terms_.headers.string()});
+                     {"-fno-fast-math", "-fno-math-errno", "-fno-strict-aliasing", "-I" + settings_.headers.string()});
     if (language_ == SourceLanguage::cpp) arguments.insert(arguments.end(), {"-std=gnu++20", "-xc++"});
     return arguments;
 }
 
 /// `kind` is the type of the crate: lib or cdylib.
 process::ProgramArguments Compiler::rust_arguments(const std::string& kind) const {
-    return {program_,
+    return {compiler_,
             "--edition=2021",
             "-Awarnings",
             "-Cpanic=abort",
@@ -212,8 +212,8 @@ void Compiler::run(process::ProgramArguments arguments, const fs::path& source, 
     arguments.push_back(source.string());
     arguments.insert(arguments.end(), trailing_arguments.begin(), trailing_arguments.end());
     const std::string subject = file_.string() + ": " + arguments[0];
-    process::ChildProcess child(arguments,
-                                {.who = subject, .timeout_advice = "", .seconds = terms_.seconds, .stop = terms_.stop});
+    process::ChildProcess child(
+        arguments, {.who = subject, .timeout_advice = "", .seconds = settings_.seconds, .stop = settings_.stop});
     const process::ChildProcess::ChildEnd result = child.read_to_end();
     if (result.status == 0 && (output.empty() || fs::exists(output))) return;
     std::string messages = clean_messages(result.output, temporary_folder_.path.string());

@@ -24,7 +24,7 @@ bool is_shader(const fs::path& file);
 /// Compiles the user's file in a temporary folder.
 class Compiler {
 public:
-    Compiler(const fs::path& file, SourceLanguage language, const CompileTerms& terms);
+    Compiler(const fs::path& file, SourceLanguage language, const CompileSettings& settings);
 
     /// LLVM IR of a file, and the source text that the line numbers in the IR refer to.
     struct FileText {
@@ -55,8 +55,8 @@ private:
 
     fs::path file_;
     SourceLanguage language_;
-    CompileTerms terms_;
-    std::string program_;
+    CompileSettings settings_;
+    std::string compiler_;  ///< name of the program
     device::TemporaryFolder temporary_folder_;
 };
 

@@ -356,14 +356,14 @@ external::ForeignForm compiled_form(const external::Library& library, const User
 
 }  // namespace
 
-std::unique_ptr<UserFunction> load_function(const std::string& option, const CompileTerms& terms) {
+std::unique_ptr<UserFunction> load_function(const std::string& option, const CompileSettings& settings) {
     const OptionParts parts = split_option(option);
     const SourceLanguage language = language_of(parts.file, option);
     auto user_function = std::make_unique<UserFunction>();
     user_function->path = parts.file.string();
     user_function->option_suffix = option.substr(user_function->path.size());
     user_function->language = file_language_of(parts.file, language);
-    Compiler compiler(parts.file, language, terms);
+    Compiler compiler(parts.file, language, settings);
     const bool is_ir = language == SourceLanguage::llvm;
     const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, read_file(parts.file)};
     user_function->source = file.source;

@@ -15,7 +15,7 @@
 
 namespace lostbits::intersect::function {
 
-struct CompileTerms {
+struct CompileSettings {
     double seconds = 30;  ///< limit for each run of a compiler
     process::StopToken stop = {};
     std::filesystem::path headers = {};  ///< folder of the headers that the file includes; empty: the file's own folder
@@ -58,7 +58,7 @@ struct UserFunction {
 
 /// Compiles `FILE.c:NAME` (with a signature after another colon, if given) and reads its operations. Throws InputError
 /// if the file does not compile or an operation cannot be followed, and EnvironmentError if there is no compiler.
-std::unique_ptr<UserFunction> load_function(const std::string& option, const CompileTerms& terms);
+std::unique_ptr<UserFunction> load_function(const std::string& option, const CompileSettings& settings);
 
 /// Returns the function behind a form; null for other forms.
 const UserFunction* function_of(const Info& form);

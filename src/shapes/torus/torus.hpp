@@ -124,7 +124,8 @@ struct Torus {
     [[nodiscard]] Vec<T> project_onto_surface(const Ray<T>&, const Vec<T>& p) const { return project_onto_surface(p); }
     /// Returns the projected point q + v (r/|v|) with its error bound. With c the centre, w is the part of f = p − c
     /// across the axis, off by γ(11)|f| at most, q = c + w (R/|w|) and v = p − q. The error of q is that of w times
-    /// R/|w|, and γ(6)R more. An error of v only turns the point about q, except for the error γ(6)r of its length.
+    /// R/|w|, and γ(6)R more. An error in the direction of v turns the point about q, which keeps it on the surface;
+    /// the error in the length of v(r/|v|) moves it by γ(6)r at most.
     [[nodiscard]] BoundedPoint<T> bounded_point(const Ray<T>&, const T&, const Vec<T>& p) const {
         const RelativeToCircle relative(*this, p);
         const T position_error =
