@@ -57,8 +57,8 @@ struct EdgeRequest {
 /// Units of progress of one tested form: one for the census, and one for the search for each outcome.
 inline constexpr std::size_t progress_units_per_form = 1 + searched_outcomes.size();
 
-/// Runs the census of each tested form of the share, and searches separately for each of its outcomes. The result has one
-/// element for each of them. It depends only on the file and its scene, not on the number of threads.
+/// Runs the census of each tested form of the share, and searches separately for each of its outcomes. The result has
+/// one element for each of them. It depends only on the file and its scene, not on the number of threads.
 ///
 /// A batch has 16 eyes with 32 rays each. An eye aims at one point of an edge; one point in four is an end of the edge.
 /// Its first ray has the direction to that point. In its other rays, each component of that direction is moved by up to

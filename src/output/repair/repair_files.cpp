@@ -200,15 +200,15 @@ image::Canvas draw_pareto_plot(const RepairSummary& summary) {
     // The points refer to the rows.
     const std::vector<FormRow> rows = make_form_rows(summary);
     trade::add_kernel_points(spec, repair_points(summary, rows));
-    spec.keys = {{"the form", own_marker, plot::ink_colour},
-                 {"operations in " + wider_format_name(summary.repair.wider), wider_marker, plot::ink_colour},
-                 {"written another way", rewritten_marker, plot::ink_colour},
-                 {"catalogue", catalogue_marker, plot::ink_colour},
-                 {.label = "decides more rays wrongly than allowed",
-                  .marker = catalogue_marker,
-                  .colour = plot::ink_colour,
-                  .is_hollow = true},
-                 {.label = "not on the Pareto front", .marker = catalogue_marker, .colour = 0, .is_faint = true}};
+    spec.legend = {{"the form", own_marker, plot::ink_colour},
+                   {"operations in " + wider_format_name(summary.repair.wider), wider_marker, plot::ink_colour},
+                   {"written another way", rewritten_marker, plot::ink_colour},
+                   {"catalogue", catalogue_marker, plot::ink_colour},
+                   {.label = "decides more rays wrongly than allowed",
+                    .marker = catalogue_marker,
+                    .colour = plot::ink_colour,
+                    .is_hollow = true},
+                   {.label = "not on the Pareto front", .marker = catalogue_marker, .colour = 0, .is_faint = true}};
     return plot::draw_scatter_plot(spec);
 }
 

@@ -249,8 +249,8 @@ void write_plane_sheet(const std::filesystem::path& path, const SweepRequest& re
                                         axis_text(axes[1], plane.y)),
                             "colour: the most that 99 of 100 agreed hits lose; or, if most rays are wrong, the "
                             "most frequent wrong outcome"},
-               .forms = grid.forms,
-               .formats = grid.formats,
+               .column_labels = grid.forms,
+               .row_labels = grid.formats,
                .field_width = static_cast<int>(plane.x.size()),
                .field_height = static_cast<int>(plane.y.size()),
                .scales = {scale.bar()},

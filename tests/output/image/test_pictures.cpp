@@ -257,7 +257,7 @@ TEST_CASE("each row of a contact sheet has its own colour bar where formats diff
         ContactSheet page(folder / name, {.title = "T",
                                           .subtitle = {},
                                           .column_labels = words("form_", forms),
-                                          .formats = {"f32", "f64"},
+                                          .row_labels = {"f32", "f64"},
                                           .field_width = 64,
                                           .field_height = 64,
                                           .scales = std::move(scales),
@@ -282,7 +282,7 @@ TEST_CASE("forms that are alike in every format share a column, and a headline t
         ContactSheet page(folder / "s.png", {.title = "T",
                                              .subtitle = {},
                                              .column_labels = words("form_", 8),
-                                             .formats = {"f32", "f64"},
+                                             .row_labels = {"f32", "f64"},
                                              .field_width = 160,
                                              .field_height = 160,
                                              .scales = {},
@@ -315,7 +315,7 @@ TEST_CASE("the forms that differ most come first: the best, the worst, and the m
     ContactSheet sheet(folder / "s.png", {.title = "T",
                                           .subtitle = {},
                                           .column_labels = words("form_", forms),
-                                          .formats = {"f32"},
+                                          .row_labels = {"f32"},
                                           .field_width = 160,
                                           .field_height = 160,
                                           .scales = {},
@@ -345,8 +345,8 @@ TEST_CASE("a cell enlarges the samples around a pixel in the corner that is fart
     const Scratch folder;
     ContactSheet sheet(folder / "s.png", {.title = "T",
                                           .subtitle = {},
-                                          .forms = {"a"},
-                                          .formats = {"f32"},
+                                          .column_labels = {"a"},
+                                          .row_labels = {"f32"},
                                           .field_width = 160,
                                           .field_height = 160,
                                           .scales = {},
@@ -368,8 +368,8 @@ TEST_CASE("the legend of a sheet takes the space of the classes that occur", "[c
     const auto height = [&](std::vector<LegendEntry> legend) {
         ContactSheet sheet(folder / "s.png", {.title = "T",
                                               .subtitle = {},
-                                              .forms = {"a", "b"},
-                                              .formats = {"f32"},
+                                              .column_labels = {"a", "b"},
+                                              .row_labels = {"f32"},
                                               .field_width = 64,
                                               .field_height = 64});
         sheet.finish(legend);
@@ -384,8 +384,8 @@ TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", 
     const Scratch folder;
     const SheetSpec spec{.title = "T",
                          .subtitle = {},
-                         .forms = {"a", "b"},
-                         .formats = {"f32"},
+                         .column_labels = {"a", "b"},
+                         .row_labels = {"f32"},
                          .field_width = 64,
                          .field_height = 64,
                          .scales = {},
@@ -401,7 +401,7 @@ TEST_CASE("a cell without data is drawn as empty, and a wrong cell is refused", 
     CHECK(count_of(image, {1, 2, 3}) == 128 * 128);
     CHECK(count_of(image, {4, 5, 6}) == 0);
     auto formless = spec;
-    formless.forms = {};
+    formless.column_labels = {};
     CHECK_THROWS_AS(ContactSheet(folder / "t.png", formless), std::logic_error);
 }
 
