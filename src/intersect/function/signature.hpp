@@ -99,7 +99,7 @@ struct StatedSignature {
 StatedSignature stated_signature(const std::string& text, const std::string& message_prefix);
 /// Reads the text after `lostbits:` in a comment inside the function that is defined at line `definition`, or directly
 /// above it. Without such a comment, combines the comments that do not stand above a function.
-StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition);
+StatedSignature read_signature_in_comments(const std::string& source, const std::string& path, int definition);
 /// Returns the shape that the user states. Throws InputError with the known names for any other text.
 Shape stated_shape(const StatedSignature& stated);
 /// Sets a property that the user states. Throws InputError with `message_prefix` in front for an unknown key or an
@@ -135,6 +135,6 @@ void guess_signature(UserSignature& signature, const StatedSignature& stated, co
 /// function.
 std::string write_wrapper(const UserSignature& signature, const std::string& file);
 /// Returns the text of the LLVM IR module followed by the new function.
-std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& message_prefix);
+std::string write_ir_wrapper(const UserSignature& signature, Module& module, const std::string& message_prefix);
 
 }  // namespace lostbits::intersect::function

@@ -147,7 +147,7 @@ StatedSignature stated_signature(const std::string& text, const std::string& mes
     return result;
 }
 
-StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition) {
+StatedSignature read_signature_in_comments(const std::string& source, const std::string& path, int definition) {
     const CommentedSource commented(source, definition);
     std::optional<StatedSignature> function_statement, file_statement;
     constexpr std::string_view mark = "lostbits:";

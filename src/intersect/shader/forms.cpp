@@ -94,7 +94,7 @@ private:
 
 std::shared_ptr<DeviceProgram> compile(const ShaderSource& shader, Device& target_device, int bits) {
     try {
-        return target_device.compile(program_text(shader, bits, target_device.limits().glsl),
+        return target_device.compile(write_program_text(shader, bits, target_device.limits().glsl),
                                      shader.is_hlsl ? device::Language::hlsl : device::Language::glsl);
     } catch (const CompileError& error) {
         const bool is_rewritten = shader.signature.is_double != (bits == 64);

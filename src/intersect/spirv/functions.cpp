@@ -42,7 +42,7 @@ bool Translator::is_written_first(std::size_t first, std::size_t end, const std:
 
 /// Adds the parameters of a function to its values, with the debug information of each parameter. Returns the list of
 /// the parameters.
-std::string Translator::parameters_of(std::size_t first, std::size_t end, const std::string& scope) {
+std::string Translator::translate_parameters(std::size_t first, std::size_t end, const std::string& scope) {
     const SpirvType& type = type_of(instructions_[first].at(2), instructions_[first]);
     if (type.kind != Kind::function || type.parts.empty()) instructions_[first].fail("a function has no type");
 
@@ -89,7 +89,7 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
     // The debug information of the function, whose index its parameters need before its text is known.
     scope_ = add_metadata("");
     const std::size_t subprogram_index = metadata_.size() - 1;
-    const std::string list = parameters_of(first, end, scope_);
+    const std::string list = translate_parameters(first, end, scope_);
     const std::string types = "!" + std::to_string(metadata_.size() - 1), name = name_of(function_instruction.result);
     const int line = lines_.file.empty() ? function_instruction.line : places_.last_visited().line;
     metadata_[subprogram_index] =
@@ -242,7 +242,7 @@ void Translator::translate_variable(const SpirvInstruction& instruction) {
 }
 
 /// Returns the address of a part. A part of an address that cannot be read cannot be read either.
-TypedText Translator::element_address(const SpirvInstruction& instruction) {
+TypedText Translator::emit_element_address(const SpirvInstruction& instruction) {
     const TypedText base = value(instruction.at(1), instruction);
     const SpirvType& type = type_of(instruction.at(0), instruction);
     if (base.type->kind != Kind::pointer) instruction.fail("an address is missing");
@@ -268,7 +268,7 @@ TypedText Translator::translate_call(const SpirvInstruction& instruction) {
 
 bool Translator::translate_memory(const SpirvInstruction& instruction) {
     if (instruction.op == "OpVariable") translate_variable(instruction);
-    else if (is_access_chain(instruction)) values_[instruction.result] = element_address(instruction);
+    else if (is_access_chain(instruction)) values_[instruction.result] = emit_element_address(instruction);
     else if (instruction.op == "OpFunctionCall") values_[instruction.result] = translate_call(instruction);
     else if (instruction.op == "OpLoad") {
         const SpirvType& type = type_of(instruction.at(0), instruction);
@@ -325,7 +325,7 @@ TypedText Translator::construct(const SpirvType& type, const Values& parts) {
 }
 
 /// Returns the lanes that a shuffle takes. Indices count the lanes of the first vector, then those of the second.
-Translator::Values Translator::shuffled_lanes(const SpirvInstruction& instruction) {
+Translator::Values Translator::shuffle_lanes(const SpirvInstruction& instruction) {
     const TypedText a = value(instruction.at(1), instruction), b = value(instruction.at(2), instruction);
     Values lanes;
     for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
@@ -376,7 +376,7 @@ bool Translator::translate_composite(const SpirvInstruction& instruction) {
         }
         values_[instruction.result] = insert_part(composite, path, 0, value(instruction.at(1), instruction));
     } else if (instruction.op == "OpVectorShuffle") {
-        values_[instruction.result] = construct(type(), shuffled_lanes(instruction));
+        values_[instruction.result] = construct(type(), shuffle_lanes(instruction));
     } else if (instruction.op == "OpVectorExtractDynamic") {
         values_[instruction.result] = emit(type(), "extractelement " + value(instruction.at(1), instruction).typed() +
                                                        ", " + value(instruction.at(2), instruction).typed());

@@ -307,7 +307,7 @@ std::string Translator::add_metadata(const std::string& text) {
     return "!" + std::to_string(metadata_.size() - 1);
 }
 
-std::string Translator::metadata_of_vector(const SpirvType& type) {
+std::string Translator::add_vector_metadata(const SpirvType& type) {
     std::string members;
     const SpirvType& lane = *type.parts[0];
     for (std::size_t k = 0; k < type.count; ++k) {
@@ -326,7 +326,7 @@ std::string Translator::metadata_of_vector(const SpirvType& type) {
                         ", elements: " + add_metadata("!{" + members + "}") + ")");
 }
 
-std::string Translator::metadata_of_structure(const SpirvType& type) {
+std::string Translator::add_structure_metadata(const SpirvType& type) {
     std::string members;
     std::size_t offset = 0;
     for (std::size_t k = 0; k < type.parts.size(); ++k) {
@@ -349,8 +349,8 @@ std::string Translator::metadata_of(const SpirvType& type) {
     if (!known_metadata.empty()) return known_metadata;
     const std::string size = ", size: " + std::to_string(8 * type.size);
     std::string new_metadata;
-    if (type.kind == Kind::vector) new_metadata = metadata_of_vector(type);
-    else if (type.kind == Kind::structure) new_metadata = metadata_of_structure(type);
+    if (type.kind == Kind::vector) new_metadata = add_vector_metadata(type);
+    else if (type.kind == Kind::structure) new_metadata = add_structure_metadata(type);
     else if (type.kind == Kind::matrix || type.kind == Kind::array)
         new_metadata = add_metadata(
             "!DICompositeType(tag: DW_TAG_array_type, baseType: " + metadata_of(*type.parts[0]) + size +
