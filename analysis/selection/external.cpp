@@ -210,7 +210,7 @@ ExternalForms load_external_forms(const ExternalOptions& options, int thread_cou
     const int process_count =
         thread_count > 0 ? thread_count : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const PipeOptions pipe_options{
-        .seconds = options.seconds, .processes = static_cast<unsigned>(process_count), .stop = options.stop};
+        .seconds = options.seconds, .max_processes = static_cast<unsigned>(process_count), .stop = options.stop};
 
     // The options are recorded too, so that later commands can name the same intersectors.
     ExternalForms external_forms;

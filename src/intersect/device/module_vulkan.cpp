@@ -179,8 +179,8 @@ public:
                             std::to_string(VK_API_VERSION_MINOR(properties.apiVersion)) + " (" + driver.driverInfo +
                             ")",
                         std::string(driver.driverName) + " " + driver.driverInfo};
-        limits_ = {.buffer_bytes = properties.limits.maxStorageBufferRange,
-                   .groups = properties.limits.maxComputeWorkGroupCount[0],
+        limits_ = {.max_buffer_bytes = properties.limits.maxStorageBufferRange,
+                   .max_groups = properties.limits.maxComputeWorkGroupCount[0],
                    .has_doubles = available_features.shaderFloat64 == VK_TRUE,
                    .glsl = 450};
 
