@@ -16,7 +16,7 @@
 namespace lostbits {
 
 /// Largest number of stored numbers of a primitive: those of its shape, then those of its matrix.
-inline constexpr std::size_t max_primitive_number_count = max_number_count + Affine<double>::numbers;
+inline constexpr std::size_t max_primitive_number_count = max_number_count + Affine<double>::number_count;
 
 /// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A transform takes the
 /// primitive to the world. Without a transform, its numbers are in world coordinates.

@@ -87,7 +87,7 @@ std::size_t run_in_packs(const MatrixPair<T>& maps, const RayBatch<S>& rays, con
         if (packed_count == 0) return 0;
 
         // Passes plain pointers, since the functions are compiled for each register width.
-        std::array<S, 2 * Affine<S>::numbers> numbers;
+        std::array<S, 2 * Affine<S>::number_count> numbers;
         std::size_t k = 0;
         for (const Affine<T>* const map : {&maps.to_world, &maps.to_object})
             map->for_each_number([&](const S& x) { numbers[k++] = x; });
