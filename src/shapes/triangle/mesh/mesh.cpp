@@ -122,9 +122,9 @@ std::size_t count_duplicates_at(const Mesh& mesh, std::span<const EdgeOfFace> ed
            static_cast<std::size_t>(std::unique(third_vertices.begin(), third_vertices.end()) - third_vertices.begin());
 }
 
-/// Fills `edges` and `borders` of the mesh.
+/// Fills `counts` and `borders` of the mesh.
 void count_edges_and_borders(Mesh& mesh, StopToken stop) {
-    mesh.edges = {};
+    mesh.counts = {};
     mesh.borders.assign(mesh.faces.size(), 0);
     std::vector<std::uint32_t> third_vertices;
     const auto count_edge = [&](std::span<const EdgeOfFace> edge_faces) {
@@ -137,13 +137,13 @@ void count_edges_and_borders(Mesh& mesh, StopToken stop) {
             if (edge_faces.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << corner);
         }
 
-        MeshEdges& counts = mesh.edges;
+        MeshCounts& counts = mesh.counts;
         ++counts.edges;
-        counts.border += edge_faces.size() == 1;
-        counts.non_manifold += edge_faces.size() > 2;
-        counts.unbalanced += direction_balance != 0;
-        counts.odd += edge_faces.size() % 2;
-        if (edge_faces.size() > 1) counts.duplicates += count_duplicates_at(mesh, edge_faces, third_vertices);
+        counts.border_edges += edge_faces.size() == 1;
+        counts.non_manifold_edges += edge_faces.size() > 2;
+        counts.unbalanced_edges += direction_balance != 0;
+        counts.odd_edges += edge_faces.size() % 2;
+        if (edge_faces.size() > 1) counts.duplicate_faces += count_duplicates_at(mesh, edge_faces, third_vertices);
     };
     for_each_edge(mesh, count_edge, stop);
 }
@@ -193,9 +193,9 @@ Mesh join_meshes(std::vector<Mesh> meshes) {
         for (const auto& [a, b, c] : next.faces)
             result.faces.push_back({vertex_offset + a, vertex_offset + b, vertex_offset + c});
         result.borders.insert(result.borders.end(), next.borders.begin(), next.borders.end());
-        for (const auto member : {&MeshEdges::edges, &MeshEdges::border, &MeshEdges::non_manifold,
-                                  &MeshEdges::unbalanced, &MeshEdges::odd, &MeshEdges::duplicates})
-            result.edges.*member += next.edges.*member;
+        for (const auto member : {&MeshCounts::edges, &MeshCounts::border_edges, &MeshCounts::non_manifold_edges,
+                                  &MeshCounts::unbalanced_edges, &MeshCounts::odd_edges, &MeshCounts::duplicate_faces})
+            result.counts.*member += next.counts.*member;
         if (result.removed_face_count == 0) result.first_removed_face = next.first_removed_face;
         result.removed_face_count += next.removed_face_count;
     }
