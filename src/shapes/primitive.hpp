@@ -182,7 +182,7 @@ std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
     for (const Key& key : row_of(primitive.shape).keys) {
         // Limits of points.
         if (key.limit == Key::Limit::not_collinear_with_previous &&
-            on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
+            are_on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
         if (key.limit == Key::Limit::differs_from_previous && !are_apart(primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};

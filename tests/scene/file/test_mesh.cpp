@@ -39,7 +39,7 @@ struct Edges {
     bool are_consistent = true;
 
     explicit Edges(const Mesh& mesh) {
-        const auto shared = shared_edges(mesh);
+        const auto shared = find_shared_edges(mesh);
         open = 3 * mesh.faces.size() - 2 * shared.size();
         for (const auto& [ends, faces] : shared) {
             const auto runs_up = [&](const scene::triangle::Face& face) {

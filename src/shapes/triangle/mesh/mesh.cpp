@@ -163,7 +163,7 @@ void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& 
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         stop.check();
         const auto& [a, b, c] = mesh.faces[f];
-        if (on_one_line(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
+        if (are_on_one_line(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
             if (mesh.removed_face_count++ == 0) mesh.first_removed_face = describe_face(f);
             continue;
         }
@@ -173,7 +173,7 @@ void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& 
     count_edges_and_borders(mesh, stop);
 }
 
-std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
+std::vector<SharedEdge> find_shared_edges(const Mesh& mesh) {
     std::vector<SharedEdge> edges_of_two_faces;
     for_each_edge(mesh, [&](std::span<const EdgeOfFace> edge_faces) {
         if (edge_faces.size() == 2)
@@ -209,11 +209,11 @@ std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format) {
         return p;
     };
     return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& f) {
-        return on_one_line(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
+        return are_on_one_line(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
     }));
 }
 
-std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format) {
+std::vector<std::string> find_mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format) {
     std::vector<std::string> remarks;
     if (mesh.removed_face_count > 0)
         remarks.push_back(std::to_string(mesh.removed_face_count) + " of " +

@@ -72,7 +72,7 @@ struct SharedEdge {
     std::array<std::uint32_t, 2> faces;  ///< in ascending order
 };
 /// Returns every edge of exactly two faces, ordered by its ends.
-std::vector<SharedEdge> shared_edges(const Mesh& mesh);
+std::vector<SharedEdge> find_shared_edges(const Mesh& mesh);
 
 /// Joins the meshes into one, in their order.
 Mesh join_meshes(std::vector<Mesh> meshes);
@@ -82,7 +82,7 @@ std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format);
 
 /// Returns remarks for the author of the mesh about faces without area, as sentences. If `vertex_format` is absent, the
 /// vertices are not rounded.
-std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format);
+std::vector<std::string> find_mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format);
 
 /// Settings with which a mesh is read.
 struct MeshSettings {
