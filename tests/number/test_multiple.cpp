@@ -76,10 +76,10 @@ TriedCounts try_volumes(const Bits& bits, std::size_t draws) {
         const Number nothing(0);
         const auto less = found < nothing, at_most = found <= nothing;
         const bool told = less.yes() || less.no();
-        tried.wrong += told != (found.running().radius() < HUGE_VAL) || told != (at_most.yes() || at_most.no());
+        tried.wrong += told != (found.running_error().radius() < HUGE_VAL) || told != (at_most.yes() || at_most.no());
         if (!told) continue;
         ++tried.known;
-        const auto words = found.running().words();
+        const auto words = found.running_error().words();
         tried.wrong += !is_same(exact, Interval(words.hi) + Interval(words.lo));
         tried.wrong += less.yes() != (exact < Interval(0)).is_yes() || at_most.yes() != (exact <= Interval(0)).is_yes();
         tried.zeros += (at_most && !less).yes();
