@@ -271,8 +271,7 @@ void print_difference(const std::string& message_prefix, const measure::tape::Dr
                    difference);
         return;
     }
-    const std::string line =
-        intersect::function::quoted_line(*program.info, *find_format("f32"), found.first_changed());
+    const std::string line = intersect::function::quote_line(*program.info, *find_format("f32"), found.first_changed());
     fmt::print(stderr, "{}: it {}\n{}", difference, difference_text(found), line.empty() ? "" : "first here: " + line);
 }
 

@@ -96,7 +96,7 @@ std::string probed_ir(Compiler& compiler, SourceLanguage language, const OptionP
     }
     const std::string ir_without_name =
         compiler.compile_to_ir(probe_of(language, compiler.file(), ""), Compiler::Optimisation::off);
-    throw InputError(missing_function_message(ir_without_name, parts.file.string(), parts.function, language));
+    throw InputError(describe_missing_function(ir_without_name, parts.file.string(), parts.function, language));
 }
 
 /// Returns the decision whether t means a miss. `NumberDecisions` decides on numbers; `NodeDecisions` records the

@@ -119,8 +119,8 @@ bool is_sequence_of_numbers(const SourceType& type);
 bool contains_word(const std::string& source, const std::string& name);
 /// Returns the message that a file does not have the function, with a list of the functions that the file defines. `ir`
 /// is the LLVM IR of the file.
-std::string missing_function_message(const std::string& ir, const std::string& path, const std::string& name,
-                                     SourceLanguage language);
+std::string describe_missing_function(const std::string& ir, const std::string& path, const std::string& name,
+                                      SourceLanguage language);
 /// Returns the expression of the number at an offset of an argument, as the source writes it: `ray->origin[1]`.
 std::string part_text(const Argument& argument, std::size_t offset);
 /// Reads the signature from the debug information of a module. Without debug information, the types are those of the

@@ -22,7 +22,7 @@ std::string trimmed(std::string_view text) {
 /// Reads `sphere(o, d, c, r)` or `sphere`, and returns the rest of the text.
 std::string_view read_shape_and_roles(std::string_view text, std::size_t name_end, std::size_t next_text,
                                       StatedSignature& result) {
-    result.shape = normalized_name(text.substr(0, name_end));
+    result.shape = normalise_name(text.substr(0, name_end));
     std::string_view rest = text.substr(next_text);
     if (!rest.starts_with('(')) return rest;
 

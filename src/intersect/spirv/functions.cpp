@@ -66,7 +66,7 @@ std::string Translator::translate_parameters(std::size_t first, std::size_t end,
         type_list += ", " + type_metadata;
         const std::string name = name_of(instruction.result);
         add_metadata(
-            "!DILocalVariable(name: " + quoted_name(name.empty() ? "p" + std::to_string(parameter_count - 1) : name) +
+            "!DILocalVariable(name: " + quote_name(name.empty() ? "p" + std::to_string(parameter_count - 1) : name) +
             ", arg: " + std::to_string(parameter_count) + ", scope: " + scope + ", file: " + file_ +
             ", type: " + type_metadata + ")");
     }
@@ -93,7 +93,7 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
     const std::string types = "!" + std::to_string(metadata_.size() - 1), name = name_of(function_instruction.result);
     const int line = lines_.file.empty() ? function_instruction.line : places_.last_visited().line;
     metadata_[subprogram_index] =
-        "distinct !DISubprogram(name: " + quoted_name(name.empty() ? function_instruction.result : name) +
+        "distinct !DISubprogram(name: " + quote_name(name.empty() ? function_instruction.result : name) +
         ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) + ", type: " + types +
         ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
 
@@ -139,7 +139,7 @@ TypedText Translator::emit(const SpirvType& type, const std::string& text) {
 /// Emits a call of a function that does not exist. Its name contains the sentence about what cannot be followed, which
 /// becomes the message if the walk reaches the call.
 TypedText Translator::refuse(const SpirvType& type, const std::string& sentence) {
-    const std::string name = "@" + quoted_name(refusal_prefix + sentence) + "()";
+    const std::string name = "@" + quote_name(refusal_prefix + sentence) + "()";
     declarations_.insert("declare extern_weak void " + name);
     emit_line("call void " + name);
     return {&type, "undef", {}};
@@ -231,7 +231,7 @@ void Translator::translate_variable(const SpirvInstruction& instruction) {
     // glslang calls its own variables "param" and "indexable".
     if (!name.empty() && name != "param" && name != "indexable") {
         const std::string variable_metadata =
-            add_metadata("!DILocalVariable(name: " + quoted_name(name) + ", scope: " + scope_ + ", file: " + file_ +
+            add_metadata("!DILocalVariable(name: " + quote_name(name) + ", scope: " + scope_ + ", file: " + file_ +
                          ", type: " + metadata_of(*type.parts[0]) + ")");
         declarations_.insert("declare void @llvm.dbg.declare(metadata, metadata, metadata)");
         emit_line("call void @llvm.dbg.declare(metadata " + address.typed() + ", metadata " + variable_metadata +

@@ -53,7 +53,7 @@ struct TypedText {
 };
 
 /// A name in quotation marks, without the characters that would end the name.
-inline std::string quoted_name(const std::string& text) {
+inline std::string quote_name(const std::string& text) {
     std::string quoted = "\"";
     for (const char c : text)
         if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= ' ') quoted += c;

@@ -410,7 +410,7 @@ void WrittenForm::fill(Intersector& form) {
     form.bounded = {answer_bounded, this};
 }
 
-std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
+std::vector<NodeId> WrittenForm::find_nodes_on_tape(const Format& format) const {
     const WrittenFormula& formula = formula_in(format);
     std::vector<NodeId> nodes;
     Tape tape;
