@@ -33,7 +33,7 @@ std::shared_ptr<Device> open_named_or_any(const std::string& device_kind) {
 void warn_about_loops(const ShaderSource& shader, const Arithmetic& arithmetic) {
     std::size_t reported_line = 0;
     for (const CountedLoop& loop : shader.loops) {
-        const long long iterations = arithmetic.loops_share_limit ? loop.nested_iterations : loop.iterations;
+        const long long iterations = arithmetic.loops_share_limit ? loop.max_nested_iterations : loop.max_iterations;
         if (loop.line == reported_line || arithmetic.loop_limit == 0 || iterations <= arithmetic.loop_limit) continue;
         reported_line = loop.line;
         const std::string limit_text =

@@ -308,7 +308,7 @@ std::unique_ptr<lostbits_result> make_crossings_result(const lostbits_rays& rays
     return result;
 }
 
-void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result) {
+void add_mesh_counts(const scene::triangle::MeshCounts& counts, lostbits_result& result) {
     auto csv =
         result.tables
             .emplace_back("mesh",
@@ -320,8 +320,12 @@ void add_edges(const scene::triangle::MeshEdges& edges, lostbits_result& result)
                               {"odd", "integer", "", "edges of an odd number of faces"},
                               {"duplicates", "integer", "", "faces with the vertices of an earlier face"}})
             .writer();
-    csv.add(edges.edges).add(edges.border).add(edges.non_manifold).add(edges.unbalanced).add(edges.odd);
-    csv.add(edges.duplicates).end_row();
+    csv.add(counts.edges)
+        .add(counts.border_edges)
+        .add(counts.non_manifold_edges)
+        .add(counts.unbalanced_edges)
+        .add(counts.odd_edges);
+    csv.add(counts.duplicate_faces).end_row();
 }
 
 /// Counts, for each point, the layers of the surface around it, in parallel.
@@ -376,7 +380,7 @@ std::unique_ptr<lostbits_result> make_points_result(const lostbits_scene& scene,
         on_surface.numbers.push_back(point.is_on_surface ? 1 : 0);
         resolved.numbers.push_back(point.is_resolved ? 1 : 0);
     }
-    add_edges(stored->mesh->mesh().edges, *result);
+    add_mesh_counts(stored->mesh->mesh().counts, *result);
     return result;
 }
 

@@ -126,7 +126,7 @@ void add_rays(const Scene& scene, lostbits_result& result) {
 
 /// Adds the numbers of the matrix and its direction to the columns.
 void add_matrix(const std::optional<Transform<double>>& transform, std::span<ResultColumn> columns) {
-    constexpr std::size_t number_count = Affine<double>::numbers;
+    constexpr std::size_t number_count = Affine<double>::number_count;
     for (std::size_t k = 0; k < number_count; ++k)
         columns[k].numbers.push_back(transform ? transform->matrix[k] : measure::truth::missing);
     columns[number_count].numbers.push_back(!transform ? measure::truth::missing : transform->is_inverse ? 1 : 0);
@@ -143,7 +143,7 @@ void add_primitives(const Scene& scene, lostbits_result& result) {
         for (const std::string& name : number_names(shape))
             columns.push_back({name, "number", "", "number of the primitive, as stored"});
         const std::size_t number_count = columns.size();
-        for (std::size_t k = 0; has_matrices && k < Affine<double>::numbers; ++k)
+        for (std::size_t k = 0; has_matrices && k < Affine<double>::number_count; ++k)
             columns.push_back({"M" + std::to_string(k / 4) + std::to_string(k % 4), "number", "",
                                "number of the matrix that places the primitive, as stored"});
         if (has_matrices)
@@ -262,7 +262,7 @@ int lostbits_scene_transform(lostbits_scene* scene, const double* matrix, int in
 
         // The matrix has the numbers that a file of the scene would store.
         const bool is_shared = target.inputs == scene::file::InputRounding::shared;
-        std::array<double, Affine<double>::numbers> numbers;
+        std::array<double, Affine<double>::number_count> numbers;
         for (std::size_t k = 0; k < numbers.size(); ++k) {
             const double x = is_shared ? rounding::to_format(matrix[k], 0, binary32) : matrix[k];
             if (!std::isfinite(x))

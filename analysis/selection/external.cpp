@@ -212,7 +212,7 @@ ExternalForms load_external_forms(const ExternalOptions& options, int thread_cou
     const int process_count =
         thread_count > 0 ? thread_count : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     const PipeOptions pipe_options{
-        .seconds = options.seconds, .processes = static_cast<unsigned>(process_count), .stop = options.stop};
+        .seconds = options.seconds, .max_processes = static_cast<unsigned>(process_count), .stop = options.stop};
 
     // The options are recorded too, so that later commands can name the same intersectors.
     ExternalForms external_forms;
@@ -273,8 +273,7 @@ void print_difference(const std::string& message_prefix, const measure::tape::Dr
                    difference);
         return;
     }
-    const std::string line =
-        intersect::function::quoted_line(*program.info, *find_format("f32"), found.first_changed());
+    const std::string line = intersect::function::quote_line(*program.info, *find_format("f32"), found.first_changed());
     fmt::print(stderr, "{}: it {}\n{}", difference, difference_text(found), line.empty() ? "" : "first here: " + line);
 }
 

@@ -102,9 +102,9 @@ Transform<double> parse_transform(const std::string& text, const char* option, c
                       {option,
                        "a matrix; write after the @ its three rows of four numbers, with commas between "
                        "them, and a / before the rows of a stored inverse",
-                       Affine<double>::numbers},
+                       Affine<double>::number_count},
                       format);
-    std::array<double, Affine<double>::numbers> numbers;
+    std::array<double, Affine<double>::number_count> numbers;
     std::ranges::transform(exact_numbers, numbers.begin(), stored_number);
     const Transform<double> transform = transform_of(numbers, is_inverse);
     if (!transform.is_proper()) throw InputError(fmt::format("{} …@{}: the matrix {}", option, text, singular_reason));

@@ -33,7 +33,7 @@ struct Affine {
             visit(shift[i]);
         }
     }
-    static constexpr std::size_t numbers = 12;
+    static constexpr std::size_t number_count = 12;
 
     /// A v, each component (a v.x + b v.y) + c v.z.
     [[nodiscard]] Vec<T> linear(const Vec<T>& v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }

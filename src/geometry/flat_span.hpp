@@ -17,7 +17,7 @@ struct SurfaceCrossing {
 /// with a fraction.
 template <class S, class T>
 concept SurfaceSpan = requires(const S& s, const Fraction<T>& t) {
-    S::crossings, s.crossing(0), s.compare_crossing(0, t);
+    S::crossing_count, s.crossing(0), s.compare_crossing(0, t);
 };
 
 /// The t at which a line crosses the plane of a flat surface, and whether it crosses the surface there. A line parallel
@@ -30,7 +30,7 @@ struct FlatSpan {
     mask_t<T> is_front;  ///< the line comes from the side that the normal points to, d·n < 0; valid if the line crosses
     T d2;                ///< d·d
 
-    static constexpr int crossings = 1;
+    static constexpr int crossing_count = 1;
     static constexpr bool may_hit_beyond_touch = false;
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int) const { return {closed, open}; }
     [[nodiscard]] Order<mask_t<T>> compare_crossing(int, const Fraction<T>& t) const { return order_of(at, t); }

@@ -130,18 +130,18 @@ template <class T>
 std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
     Polynomial<T> previous = f, current = f.derivative();
     if (!trim(previous) || !trim(current)) return std::nullopt;
-    int changes = 0, sign = 1, sign_at_minus_infinity = 1;
-    const auto count_changes = [&](const Polynomial<T>& g) {
+    int root_count = 0, sign = 1, sign_at_minus_infinity = 1;
+    const auto add_changes = [&](const Polynomial<T>& g) {
         const int next_sign = *known_sign(g.leading()),
                   next_at_minus_infinity = g.degree % 2 == 0 ? next_sign : -next_sign;
-        changes += (next_at_minus_infinity != sign_at_minus_infinity ? 1 : 0) - (next_sign != sign ? 1 : 0);
+        root_count += (next_at_minus_infinity != sign_at_minus_infinity ? 1 : 0) - (next_sign != sign ? 1 : 0);
         sign = next_sign;
         sign_at_minus_infinity = next_at_minus_infinity;
     };
 
     sign = *known_sign(previous.leading());
     sign_at_minus_infinity = previous.degree % 2 == 0 ? sign : -sign;
-    count_changes(current);
+    add_changes(current);
     while (current.degree > 0) {
         Polynomial<T> remainder =
             previous.degree == 4 ? first_quartic_remainder(f) : divide(previous, current).remainder;
@@ -149,9 +149,9 @@ std::optional<RootCount<T>> count_roots(const Polynomial<T>& f) {
         if (remainder.degree < 0) break;
         previous = current;
         current = -remainder;
-        count_changes(current);
+        add_changes(current);
     }
-    return RootCount<T>{changes, current};
+    return RootCount<T>{root_count, current};
 }
 
 }  // namespace lostbits

@@ -39,11 +39,11 @@ private:
           last(T(2) * p * ((v / u + alpha) * (v / u) + beta)) {}
 };
 
-/// Number of sign changes along a chain, zeros left out: +, 0, − is one change. The number of roots between two points
+/// Counts the sign changes along a chain, zeros left out: +, 0, − is one change. The number of roots between two points
 /// is the number of changes at the first point minus the number at the second. A ray along an axis of symmetry of a
 /// torus has zeros: half of the chain of n x⁴ + p x² + r is 0 at x = 0.
 template <class T>
-T sign_changes(const std::array<T, 5>& chain) {
+T count_sign_changes(const std::array<T, 5>& chain) {
     T count(0), sign = chain[0];
     for (std::size_t i = 1; i < chain.size(); ++i) {
         const auto is_positive = chain[i] > T(0), is_negative = chain[i] < T(0);
@@ -114,11 +114,11 @@ mask_t<typename E::P> is_first_between(const QuarticChain<E>& f, const SignChang
 /// Approximates the first root beyond `begin` by the signs along the chain: 24 bisection steps, then Newton steps.
 template <class T>
 T approximate_first_root(const QuarticChain<T>& chain, const T& begin, const T& bound, int steps) {
-    const T begin_changes = sign_changes(chain.at(begin)), half = T(1) / T(2);
+    const T begin_changes = count_sign_changes(chain.at(begin)), half = T(1) / T(2);
     T low = select(begin > -bound, begin, -bound), high = bound;
     for (int i = 0; i < 24; ++i) {
         const T middle = half * (low + high);
-        const auto has_no_root = sign_changes(chain.at(middle)) >= begin_changes;
+        const auto has_no_root = count_sign_changes(chain.at(middle)) >= begin_changes;
         low = select(has_no_root, middle, low);
         high = select(has_no_root, high, middle);
     }

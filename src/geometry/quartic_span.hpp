@@ -36,7 +36,7 @@ std::optional<Ends<T>> ends_of(const QuarticSpan<T>& span) {
         count = approximations.count;
         if (count > 2 && crossings[1] < span.b) first = 2;
     } else {
-        const auto roots = enclosed_roots(span.f, span.bound);
+        const auto roots = enclose_roots(span.f, span.bound);
         if (!roots) return std::nullopt;
         std::array<int, 4> crossing_indices;
         for (int i = 0; i < roots->count; ++i) {

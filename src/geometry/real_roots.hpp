@@ -219,7 +219,7 @@ std::optional<EnclosedRoots<E>> enclose_roots_near(const ApproximateRoots<E>& ap
 /// slope has different signs at the ends of each interval. Returns nothing if the approximations are not close enough
 /// to prove that. f must have no cubic term.
 template <class E>
-std::optional<EnclosedRoots<E>> enclosed_roots(const Polynomial<E>& f, const E& bound) {
+std::optional<EnclosedRoots<E>> enclose_roots(const Polynomial<E>& f, const E& bound) {
     const auto counted = count_roots(f);
     if (!counted) return std::nullopt;
     EnclosedRoots<E> roots{f, f, {}, counted->count};

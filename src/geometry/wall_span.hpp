@@ -16,7 +16,7 @@ struct WallSpan {
     CappedSpan<T> primitive;
     T d2;  ///< d·d
 
-    static constexpr int crossings = 2;
+    static constexpr int crossing_count = 2;
     static constexpr bool may_hit_beyond_touch = true;
 
     [[nodiscard]] SurfaceCrossing<mask_t<T>> crossing(int i) const {

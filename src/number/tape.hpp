@@ -65,7 +65,7 @@ enum class OperationKind : std::uint8_t {
     row(any,           "any",           logic,      1)
 // clang-format on
 
-#define LOSTBITS_ENUMERATOR(op, name, kind, operands) op,
+#define LOSTBITS_ENUMERATOR(op, name, kind, operand_count) op,
 enum class TapeOp : std::uint8_t { LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ENUMERATOR) };
 #undef LOSTBITS_ENUMERATOR
 
@@ -73,10 +73,10 @@ struct TapeOpRow {
     TapeOp op;
     std::string_view name;
     OperationKind kind;
-    std::size_t operands;
+    std::size_t operand_count;
 };
 
-#define LOSTBITS_ROW(op, name, kind, operands) TapeOpRow{TapeOp::op, name, OperationKind::kind, operands},
+#define LOSTBITS_ROW(op, name, kind, operand_count) TapeOpRow{TapeOp::op, name, OperationKind::kind, operand_count},
 inline constexpr std::array tape_operations{LOSTBITS_TAPE_OPERATIONS(LOSTBITS_ROW)};
 #undef LOSTBITS_ROW
 
@@ -144,7 +144,7 @@ public:
     [[nodiscard]] std::span<const NodeId> operands_of(NodeId i) const {
         const TapeNode& n = (*this)[i];
         if (n.op == TapeOp::call) return call_at(i).arguments;
-        return std::span(n.operands).first(row_of(n.op).operands);
+        return std::span(n.operands).first(row_of(n.op).operand_count);
     }
 
     /// Clears the tape but keeps its memory: a map records a million tapes one after the other.

@@ -10,7 +10,7 @@ namespace lostbits {
 
 /// Builds the transform, with the sign of the determinant. The caller must refuse it if it is not proper.
 template <class S>
-Transform<S> transform_of(const std::array<S, Affine<S>::numbers>& numbers, bool is_inverse = false) {
+Transform<S> transform_of(const std::array<S, Affine<S>::number_count>& numbers, bool is_inverse = false) {
     return {numbers, is_inverse, orientation_of(numbers)};
 }
 

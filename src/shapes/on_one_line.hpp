@@ -32,7 +32,7 @@ inline bool is_proved_nonzero(const Vec<double>& a, const Vec<double>& b, const 
 /// True if the points lie on one line, or if one of their numbers is NaN. The answer is exact for floats and doubles
 /// of any size. Wider numbers use their own arithmetic.
 template <class S>
-bool on_one_line(const Vec<S>& a, const Vec<S>& b, const Vec<S>& c) {
+bool are_on_one_line(const Vec<S>& a, const Vec<S>& b, const Vec<S>& c) {
     constexpr int axes[3][2] = {{1, 2}, {2, 0}, {0, 1}};
     for (const Vec<S>* const p : {&a, &b, &c})
         for (int i = 0; i < 3; ++i)

@@ -16,7 +16,7 @@
 namespace lostbits {
 
 /// Largest number of stored numbers of a primitive: those of its shape, then those of its matrix.
-inline constexpr std::size_t max_primitive_number_count = max_number_count + Affine<double>::numbers;
+inline constexpr std::size_t max_primitive_number_count = max_number_count + Affine<double>::number_count;
 
 /// A shape and its numbers in storage type S. Entries beyond the numbers of the shape are zero. A transform takes the
 /// primitive to the world. Without a transform, its numbers are in world coordinates.
@@ -182,7 +182,7 @@ std::optional<BrokenLimit> broken_limit(const Primitive<S>& primitive) {
     for (const Key& key : row_of(primitive.shape).keys) {
         // Limits of points.
         if (key.limit == Key::Limit::not_collinear_with_previous &&
-            on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
+            are_on_one_line(primitive.point(k - 6), primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};
         if (key.limit == Key::Limit::differs_from_previous && !are_apart(primitive.point(k - 3), primitive.point(k)))
             return BrokenLimit{&key, k};

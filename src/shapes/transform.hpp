@@ -22,7 +22,7 @@ int orientation_of(std::span<const double, 12> matrix);
 /// A stored matrix of three rows and four columns, row by row, and whether it is the inverse.
 template <class S>
 struct Transform {
-    std::array<S, Affine<S>::numbers> matrix;
+    std::array<S, Affine<S>::number_count> matrix;
     bool is_inverse = false;  ///< true: from the world to the primitive; false: from the primitive to the world
     int orientation = 1;  ///< sign of the determinant: −1 if the matrix mirrors, 0 if it is singular or not finite
 
@@ -42,7 +42,7 @@ auto convert_numbers(const Transform<S>& transform, Lift lift) {
     const auto numbers = [&]<std::size_t... k>(std::index_sequence<k...>) {
         return std::array<T, sizeof...(k)>{lift(transform.matrix[k])...};
     };
-    constexpr std::make_index_sequence<Affine<T>::numbers> indices;
+    constexpr std::make_index_sequence<Affine<T>::number_count> indices;
     Transform<T> result{numbers(indices), transform.is_inverse, transform.orientation};
     if constexpr (std::same_as<T, double>) result.orientation = orientation_of(result.matrix);
     return result;

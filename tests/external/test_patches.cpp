@@ -109,7 +109,7 @@ TEST_CASE("patches: an expression begins and ends where its operator says", "[ex
           Case{"y = /* - */ a / std::sqrt(b); // - 1", "std::sqrt(b)", 16}, Case{"y = 1e-5f - x;", "1e-5f - x", 10},
           Case{"y = a - -b - c;", "a - -b - c", 11}, Case{"y = a - b - c;", "a - b", 6}}) {
         CAPTURE(text, at);
-        const TextSpan span = SourceTokens(text).expression_at(at);
+        const TextSpan span = SourceTokens(text).find_expression_at(at);
         CHECK(std::string(text).substr(span.begin, span.end - span.begin) == around);
     }
     const std::string two = "float a = f(1, 2), b = 3;\nif (a < b)\n    a = 4;\nelse if (b > 1) a = 5;";

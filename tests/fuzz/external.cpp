@@ -158,7 +158,7 @@ void fuzz_shader(std::string_view bytes) {
     const std::filesystem::path path = file_of(bytes);
     answer_or_error([&] {
         const ShaderSource shader = read_shader(path.string() + ":" + words);
-        for (const int bits : {32, 64}) static_cast<void>(program_text(shader, bits, 450));
+        for (const int bits : {32, 64}) static_cast<void>(write_program_text(shader, bits, 450));
         static_cast<void>(errors_of(shader.text, shader));
     });
 }

@@ -19,7 +19,7 @@ void follow(const std::string& ir, const std::string& name) {
     Module probe(ir);
     UserSignature signature = read_signature(probe, "own.ll", name, SourceLanguage::llvm);
     guess_signature(signature, {}, "own.ll");
-    Module module(ir_wrapper_of(signature, probe, "own.ll"));
+    Module module(write_ir_wrapper(signature, probe, "own.ll"));
     Nodes nodes(signature.bits);
     const std::size_t number_count = row_of(signature.contract.shape).number_count;
     Walk walk(module, nodes, "/x", "own.ll");

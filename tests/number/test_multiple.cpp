@@ -77,10 +77,10 @@ TriedCounts try_volumes(const Bits& bits, std::size_t draws) {
         const auto less = found < nothing, at_most = found <= nothing;
         const bool is_decided = less.yes() || less.no();
         tried.wrong +=
-            is_decided != (found.running().radius() < HUGE_VAL) || is_decided != (at_most.yes() || at_most.no());
+            is_decided != (found.running_error().radius() < HUGE_VAL) || is_decided != (at_most.yes() || at_most.no());
         if (!is_decided) continue;
         ++tried.known;
-        const auto words = found.running().words();
+        const auto words = found.running_error().words();
         tried.wrong += !is_same(exact, Interval(words.hi) + Interval(words.lo));
         tried.wrong += less.yes() != (exact < Interval(0)).is_yes() || at_most.yes() != (exact <= Interval(0)).is_yes();
         tried.zeros += (at_most && !less).yes();

@@ -28,15 +28,15 @@ public:
                                                                          device::Language) override {
         return std::make_unique<device::DeviceProgram>();
     }
-    void run_program(device::DeviceProgram&, std::span<const DeviceBuffer> buffers, std::size_t groups) override {
+    void run_program(device::DeviceProgram&, std::span<const DeviceBuffer> buffers, std::size_t group_count) override {
         KernelHead head;
         std::memcpy(&head, buffers[BufferBinding::head].bytes.data(), sizeof head);
         for (const DeviceBuffer& b : buffers) {
             REQUIRE_FALSE(b.bytes.empty());
-            REQUIRE(b.bytes.size() <= limits_.buffer_bytes);
+            REQUIRE(b.bytes.size() <= limits_.max_buffer_bytes);
         }
-        REQUIRE(groups <= limits_.groups);
-        REQUIRE(groups * device::group_size >= head.ray_count);
+        REQUIRE(group_count <= limits_.max_groups);
+        REQUIRE(group_count * device::group_size >= head.ray_count);
         const auto* const rays = reinterpret_cast<const float*>(buffers[BufferBinding::rays].bytes.data());
         const auto* const primitives = reinterpret_cast<const float*>(buffers[BufferBinding::primitives].bytes.data());
         auto* const answers = reinterpret_cast<float*>(buffers[BufferBinding::answers].bytes.data());
@@ -74,7 +74,7 @@ TEST_CASE("shader: a batch larger than the device allows is split, and each ray 
         primitives[4 * i + 3] = i % 2 == 0 ? 1 : -2000;
     }
     for (const std::size_t stride : {std::size_t(0), std::size_t(4)}) {
-        const auto echo = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 24 * 100, .groups = 1});
+        const auto echo = std::make_shared<Echo>(DeviceLimits{.max_buffer_bytes = 24 * 100, .max_groups = 1});
         const auto forms = forms_of(some_shader(), echo, true, "words");
         REQUIRE(forms.size() == 1);
         CHECK(forms[0].contract.name == "shader.a.echo");
@@ -92,7 +92,7 @@ TEST_CASE("shader: a batch larger than the device allows is split, and each ray 
 }
 
 TEST_CASE("shader: a ray that the device does not answer is an error, not a miss", "[shader]") {
-    const auto echo = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 1 << 20, .groups = 100});
+    const auto echo = std::make_shared<Echo>(DeviceLimits{.max_buffer_bytes = 1 << 20, .max_groups = 100});
     echo->loses = true;
     const std::vector<float> rays(6 * 100), primitives(4);
     std::vector<float> near_far(2 * 100);
@@ -104,15 +104,15 @@ TEST_CASE("shader: a ray that the device does not answer is an error, not a miss
 }
 
 TEST_CASE("shader: doubles are refused or left out on a device that lacks them", "[shader]") {
-    const auto without = std::make_shared<Echo>(DeviceLimits{.buffer_bytes = 1 << 20, .groups = 100});
+    const auto without = std::make_shared<Echo>(DeviceLimits{.max_buffer_bytes = 1 << 20, .max_groups = 100});
     ShaderSource shader = some_shader();
     shader.f64 = true;
     CHECK(forms_of(shader, without, false, "").size() == 1);
     CHECK(forms_of(shader, without, false, "")[0].contract.name == "shader.a");
     shader.f32 = false;
     CHECK_THROWS_AS(forms_of(shader, without, false, ""), lostbits::EnvironmentError);
-    CHECK(max_rays_per_run({.buffer_bytes = 4800, .groups = 1000}, 64) == 100);
-    CHECK(max_rays_per_run({.buffer_bytes = 1, .groups = 1}, 32) == 1);
+    CHECK(max_rays_per_run({.max_buffer_bytes = 4800, .max_groups = 1000}, 64) == 100);
+    CHECK(max_rays_per_run({.max_buffer_bytes = 1, .max_groups = 1}, 32) == 1);
 }
 
 }  // namespace test_batches

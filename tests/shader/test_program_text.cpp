@@ -40,7 +40,7 @@ TEST_CASE("shader text: removing pixel code moves no line and no column", "[shad
         "in vec2 uv; uniform vec2 size;\n"
         "float f(in vec3 ro, in vec3 rd, in vec4 s) { return ro.x; }\n"
         "void main() { color = gl_FragCoord * f(vec3(iTime), vec3(0), vec4(0)); }\n";
-    const std::string program = program_text(shader_of(text), 32, 430);
+    const std::string program = write_program_text(shader_of(text), 32, 430);
     CHECK(program.starts_with("#version 430\n"));
     CHECK(users_part(program) == std::string(15, ' ') + "\n" + std::string(25, ' ') +
                                      "vec4 color;\n"
@@ -85,7 +85,7 @@ TEST_CASE("shader text: compiler errors point to the user's lines for every comp
 TEST_CASE("shader text: a distance field is marched with the constants of the file", "[shader]") {
     ShaderSource shader = shader_of("float map(vec3 p) { return length(p) - 1.0; }");
     shader.march = {.hit_eps = 0.0001, .max_dist = 50, .max_steps = 128};
-    const std::string program = program_text(shader, 32, 430);
+    const std::string program = write_program_text(shader, 32, 430);
     CHECK(has(program, "lb_k < 128"));
     CHECK(has(program, "lb_d < 1.00000000000000005e-04)"));
     CHECK(has(program, "lb_t > 5.00000000000000000e+01)"));

@@ -238,7 +238,7 @@ const Intersector& without_world_boxes(const Intersector& form) {
     return parts.form != nullptr && form.has_transform_method ? without_world_boxes(*parts.form) : form;
 }
 
-std::vector<std::string> names_on_tape(const Intersector& form, const Target<double>& target) {
+std::vector<std::string> find_names_on_tape(const Intersector& form, const Target<double>& target) {
     std::vector<std::string> names = table::input_names(form, target);
     const Intersector* current = &form;
     for (bool in_world = !target.primitives.empty() && target.primitives.front().transform;;) {

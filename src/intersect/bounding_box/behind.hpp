@@ -41,7 +41,7 @@ bool has_box(const table::Intersector& form);
 const table::Intersector& without_world_boxes(const table::Intersector& form);
 
 /// Names of the inputs on a form's tape: those of the form, then the numbers of each box, the outermost box first.
-std::vector<std::string> names_on_tape(const table::Intersector& form, const Target<double>& target);
+std::vector<std::string> find_names_on_tape(const table::Intersector& form, const Target<double>& target);
 
 /// Returns the form itself, without boxes and transforms.
 const table::Intersector& innermost_form(const table::Intersector& form);

@@ -20,8 +20,8 @@ struct DeviceDescription {
 };
 
 struct DeviceLimits {
-    std::size_t buffer_bytes = 0;  ///< largest size of one buffer
-    std::size_t groups = 0;        ///< largest number of work groups in one run
+    std::size_t max_buffer_bytes = 0;  ///< largest size of one buffer
+    std::size_t max_groups = 0;        ///< largest number of work groups in one run
     bool has_doubles = false;
     int glsl = 430;  ///< version of GLSL that programs for the device state
 };

@@ -121,11 +121,11 @@ public:
         description_ = {"opengl", gl_string(GL_RENDERER), gl_string(GL_VENDOR), "OpenGL " + gl_string(GL_VERSION),
                         "EGL"};
 
-        GLint bytes = 0, groups = 0;
+        GLint bytes = 0, max_groups = 0;
         glGetIntegerv(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
-        glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &groups);
-        limits_ = {.buffer_bytes = static_cast<std::size_t>(std::max(bytes, 1 << 20)),
-                   .groups = static_cast<std::size_t>(std::max(groups, 1)),
+        glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &max_groups);
+        limits_ = {.max_buffer_bytes = static_cast<std::size_t>(std::max(bytes, 1 << 20)),
+                   .max_groups = static_cast<std::size_t>(std::max(max_groups, 1)),
                    .has_doubles = true,  // part of OpenGL since 4.0
                    .glsl = 430};
     }

@@ -107,8 +107,8 @@ public:
     HostBuffer(const HostBuffer&) = delete;
     HostBuffer& operator=(const HostBuffer&) = delete;
 
-    void grow_to(VkDevice device, const VkPhysicalDeviceMemoryProperties& memory_kinds, std::size_t bytes) {
-        if (bytes <= size_) return;
+    void grow_to(VkDevice device, const VkPhysicalDeviceMemoryProperties& memory_kinds, std::size_t byte_count) {
+        if (byte_count <= size_) return;
         if (size_ > 0) {
             vkDestroyBuffer(device, buffer_, nullptr);
             vkFreeMemory(device, memory_, nullptr);
@@ -117,7 +117,7 @@ public:
 
         VkBufferCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
-        info.size = bytes;
+        info.size = byte_count;
         info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
         require_success(vkCreateBuffer(device, &info, nullptr, &buffer_), "create a buffer");
 
@@ -133,7 +133,7 @@ public:
         // The memory stays mapped until it is freed.
         require_success(vkBindBufferMemory(device, buffer_, memory_, 0), "bind memory");
         require_success(vkMapMemory(device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_), "map memory");
-        size_ = bytes;
+        size_ = byte_count;
     }
     [[nodiscard]] void* mapped() const { return mapped_; }
     [[nodiscard]] VkBuffer name() const { return buffer_; }
@@ -179,8 +179,8 @@ public:
                             std::to_string(VK_API_VERSION_MINOR(properties.apiVersion)) + " (" + driver.driverInfo +
                             ")",
                         std::string(driver.driverName) + " " + driver.driverInfo};
-        limits_ = {.buffer_bytes = properties.limits.maxStorageBufferRange,
-                   .groups = properties.limits.maxComputeWorkGroupCount[0],
+        limits_ = {.max_buffer_bytes = properties.limits.maxStorageBufferRange,
+                   .max_groups = properties.limits.maxComputeWorkGroupCount[0],
                    .has_doubles = available_features.shaderFloat64 == VK_TRUE,
                    .glsl = 450};
 

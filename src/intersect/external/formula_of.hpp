@@ -87,7 +87,7 @@ void compile_with_archetype(const Ray<Archetype>* ray, const Primitive<Archetype
 /// Computes with the program's precision of intervals. The precision is a thread-local variable, and the program and
 /// the library each have one. So the library sets its own from the precision of the numbers that the program passes.
 template <class Form>
-Hit<Interval> enclosed_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
+Hit<Interval> enclose_by_intervals(const Ray<Interval>& ray, const Target<Interval>& target) {
     const Interval::Precision precision(mpfr_get_prec(ray.origin.x.lower()));
     return table::enclose_hit<Form, Interval>(ray, target);
 }
@@ -172,7 +172,7 @@ Formula formula_of() {
     // Every call reports the form, so that a crash names it.
     form.native32 = ReportingCall<Form, table::intersect_native_batch<Form, float>>::run;
     form.ball = ReportingCall<Form, table::enclose_hit<Form, Ball>>::run;
-    form.interval = ReportingCall<Form, enclosed_by_intervals<Form>>::run;
+    form.interval = ReportingCall<Form, enclose_by_intervals<Form>>::run;
     form.record = ReportingCall<Form, table::record_form_evaluation<Form>>::run;
     form.record_all = ReportingCall<Form, table::record_whole_form<Form>>::run;
     form.count = ReportingCall<Form, table::count_form_operations<Form>>::run;

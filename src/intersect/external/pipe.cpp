@@ -67,7 +67,7 @@ public:
         contracts_ = free_.back()->contracts;
         running_ = 1;
         const auto needs_one_thread = [](const Contract& contract) { return (contract.flags & LB_ONE_THREAD) != 0; };
-        if (std::ranges::any_of(contracts_, needs_one_thread)) options_.processes = 1;
+        if (std::ranges::any_of(contracts_, needs_one_thread)) options_.max_processes = 1;
     }
 
     [[nodiscard]] const std::vector<Contract>& contracts() const { return contracts_; }
@@ -91,7 +91,7 @@ public:
 private:
     std::unique_ptr<AnsweringProcess> take_process() {
         std::unique_lock lock(mutex_);
-        freed_.wait(lock, [this] { return !free_.empty() || running_ < std::max(1U, options_.processes); });
+        freed_.wait(lock, [this] { return !free_.empty() || running_ < std::max(1U, options_.max_processes); });
         if (!free_.empty()) {
             std::unique_ptr<AnsweringProcess> answerer = std::move(free_.back());
             free_.pop_back();
@@ -174,7 +174,7 @@ void evaluate_by_pipe(ChildProcess& child, const PipeRequest& request, const Col
 void evaluate_in_shared_memory(AnsweringProcess& answerer, const std::string& code_name, const PipeRequest& request,
                                const ColumnBytes& bytes, const lb_batch& batch) {
     const auto offsets = column_offsets(bytes);
-    std::byte* const memory = answerer.memory->with_bytes(offsets.back());
+    std::byte* const memory = answerer.memory->grow_to(offsets.back());
     if (memory == nullptr) throw std::bad_alloc();
     const auto request_columns = request_columns_of(batch, bytes);
     for (std::size_t k = 0; k < request_columns.size(); ++k) std::ranges::copy(request_columns[k], memory + offsets[k]);

@@ -55,7 +55,7 @@ std::array<std::size_t, BatchColumn::count + 1> column_offsets(const ColumnBytes
 
 struct PipeOptions {
     double seconds = 30;              ///< limit for one answer
-    unsigned processes = 1;           ///< at most one per thread; a single one for a form that says one_thread
+    unsigned max_processes = 1;       ///< at most one per thread; a single one for a form that says one_thread
     process::StopToken stop = {};     ///< stop request of the caller: ends every wait for an answer
     std::string message_prefix = {};  ///< begin of messages; empty: the command
     bool is_lostbits = false;         ///< true if the command is this program: error texts pass unchanged, and memory

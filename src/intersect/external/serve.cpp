@@ -22,10 +22,10 @@
 namespace lostbits::intersect::external {
 namespace {
 
-bool read_all(int descriptor, void* buffer, std::size_t bytes) {
+bool read_all(int descriptor, void* buffer, std::size_t byte_count) {
     auto* next_byte = static_cast<char*>(buffer);
-    for (int poll_count = 0; bytes > 0;) {
-        const ssize_t received = read(descriptor, next_byte, bytes);
+    for (int poll_count = 0; byte_count > 0;) {
+        const ssize_t received = read(descriptor, next_byte, byte_count);
         if (received < 0 && errno == EINTR) continue;
         if (received < 0 && errno == EAGAIN) {
             pollfd polled_input{descriptor, POLLIN, 0};
@@ -35,32 +35,32 @@ bool read_all(int descriptor, void* buffer, std::size_t bytes) {
         }
         if (received <= 0) return false;
         next_byte += received;
-        bytes -= static_cast<std::size_t>(received);
+        byte_count -= static_cast<std::size_t>(received);
     }
     return true;
 }
 
 /// Reads this many bytes. The buffer grows as the bytes arrive, since a request may claim any number of rays.
-bool read_column(int descriptor, std::vector<std::byte>& column, std::size_t bytes) {
+bool read_column(int descriptor, std::vector<std::byte>& column, std::size_t byte_count) {
     constexpr std::size_t piece_size = 1 << 20;
-    for (std::size_t bytes_read = 0; bytes_read < bytes;) {
-        if (bytes_read >= column.size()) column.resize(std::min(bytes, bytes_read + piece_size));
-        const std::size_t bytes_to_read = std::min(bytes, column.size()) - bytes_read;
+    for (std::size_t bytes_read = 0; bytes_read < byte_count;) {
+        if (bytes_read >= column.size()) column.resize(std::min(byte_count, bytes_read + piece_size));
+        const std::size_t bytes_to_read = std::min(byte_count, column.size()) - bytes_read;
         if (!read_all(descriptor, column.data() + bytes_read, bytes_to_read)) return false;
         bytes_read += bytes_to_read;
     }
-    column.resize(bytes);
+    column.resize(byte_count);
     return true;
 }
 
-bool write_all(int descriptor, const void* buffer, std::size_t bytes) {
+bool write_all(int descriptor, const void* buffer, std::size_t byte_count) {
     const auto* next_byte = static_cast<const char*>(buffer);
-    while (bytes > 0) {
-        const ssize_t written = write(descriptor, next_byte, bytes);
+    while (byte_count > 0) {
+        const ssize_t written = write(descriptor, next_byte, byte_count);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) return false;
         next_byte += written;
-        bytes -= static_cast<std::size_t>(written);
+        byte_count -= static_cast<std::size_t>(written);
     }
     return true;
 }
@@ -117,7 +117,7 @@ std::optional<BatchColumns> read_batch(int input, const PipeRequest& request, co
                                        ColumnMemory& buffers) {
     const ColumnBytes bytes = column_bytes(request, contract);
     const auto offsets = column_offsets(bytes);
-    std::byte* const memory = buffers.shared ? buffers.shared->with_bytes(offsets.back()) : nullptr;
+    std::byte* const memory = buffers.shared ? buffers.shared->grow_to(offsets.back()) : nullptr;
     if (buffers.shared && memory == nullptr) return std::nullopt;
 
     BatchColumns columns{};

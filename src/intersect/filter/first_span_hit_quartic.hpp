@@ -25,7 +25,8 @@ FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& span) {
     const auto values = chain.at(span.b);
     const auto at_begin = values[0] <= E(0) && values[0] >= E(0);
     const E x = approximate_first_root<E>(chain, span.b, span.bound, 6);
-    return {at_begin || sign_changes(values) > sign_changes(chain.at_infinity()), select(at_begin, E(0), span.t_at(x))};
+    return {at_begin || count_sign_changes(values) > count_sign_changes(chain.at_infinity()),
+            select(at_begin, E(0), span.t_at(x))};
 }
 
 /// Numbers that enclose roots (geometry/real_roots.hpp).
@@ -40,7 +41,7 @@ FirstSpanHit<E> first_span_hit(const QuarticSpan<E>& span) {
     const E zero(0);
     const FirstSpanHit<E> unknown{Tri::unknown, zero / zero};
     if (known_sign(span.f.leading()) != 1) return unknown;  // the axis has no length
-    const auto roots = enclosed_roots(span.f, span.bound);
+    const auto roots = enclose_roots(span.f, span.bound);
     if (!roots) return unknown;
     for (int i = 0; i < roots->count; ++i) {
         const auto order = roots->order(i, span.b);

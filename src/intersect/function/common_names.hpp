@@ -14,7 +14,7 @@
 namespace lostbits::intersect::function {
 
 /// Returns the name in lower case and without underscores.
-inline std::string normalized_name(std::string_view name) {
+inline std::string normalise_name(std::string_view name) {
     std::string normalized;
     for (const char c : name)
         if (c != '_') normalized += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -60,7 +60,7 @@ inline bool is_radius_name(std::string_view name) { return is_one_of(name, {"r",
 
 /// True if users commonly give this name to the key with index `k` of a shape. `name` is normalized.
 inline bool is_common_name_of_key(std::string_view name, const Key& key, std::size_t k, Shape shape) {
-    if (name == normalized_name(key.name) || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
+    if (name == normalise_name(key.name) || std::ranges::find(key.aliases, name) != key.aliases.end()) return true;
 
     // Spheres
     if (key.name == "centre")

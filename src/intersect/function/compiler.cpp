@@ -74,15 +74,16 @@ Compiler::Compiler(const fs::path& file, SourceLanguage language, const CompileS
                                                                 : "the Debian package clang");
 }
 
-auto Compiler::ir_of_file() -> FileText {
-    if (is_shader(file_)) return ir_of_shader();
-    const std::string text = file_.extension() == ".ll" ? read_file(file_) : ir_of_bitcode();
+auto Compiler::read_ir_or_compile() -> FileText {
+    if (is_shader(file_)) return compile_shader_to_ir();
+    const std::string text = file_.extension() == ".ll" ? read_file(file_) : disassemble_bitcode();
     return {text, text};
 }
 
 std::string Compiler::compile_to_ir(const std::string& text, Optimisation optimisation) {
     const fs::path source = write_source(text), output = temporary_folder_.path / "function.ll";
-    process::ProgramArguments arguments = language_ == SourceLanguage::rust ? rust_arguments("lib") : clang_arguments();
+    process::ProgramArguments arguments =
+        language_ == SourceLanguage::rust ? make_rust_arguments("lib") : make_clang_arguments();
     if (language_ == SourceLanguage::rust)
         arguments.insert(arguments.end(), {"--emit=llvm-ir", "-Cdebuginfo=2",
                                            optimisation == Optimisation::on ? "-Copt-level=1" : "-Copt-level=0",
@@ -95,11 +96,11 @@ std::string Compiler::compile_to_ir(const std::string& text, Optimisation optimi
 external::Library Compiler::compile_library(const std::string& text, Optimisation optimisation) {
     const fs::path source = write_source(text), output = temporary_folder_.path / "function.so";
     if (language_ == SourceLanguage::rust) {
-        process::ProgramArguments arguments = rust_arguments("cdylib");
+        process::ProgramArguments arguments = make_rust_arguments("cdylib");
         arguments.emplace_back(optimisation == Optimisation::off ? "-Copt-level=0" : "-Copt-level=3");
         run(std::move(arguments), source, output);
     } else {
-        process::ProgramArguments arguments = clang_arguments();
+        process::ProgramArguments arguments = make_clang_arguments();
         arguments.insert(arguments.end(), {optimisation == Optimisation::off ? "-O0" : "-O2", "-shared", "-fPIC"});
         if (language_ == SourceLanguage::llvm) arguments.emplace_back("-xir");
         run(std::move(arguments), source, output, {"-xnone", "-lm"});
@@ -107,21 +108,21 @@ external::Library Compiler::compile_library(const std::string& text, Optimisatio
     return external::load_library(output);
 }
 
-std::string Compiler::ir_of_bitcode() {
+std::string Compiler::disassemble_bitcode() {
     require_in_path("llvm-dis", "the Debian package llvm");
     const fs::path output = temporary_folder_.path / "function.ll";
     run({"llvm-dis"}, file_, output);
     return read_file(output);
 }
 
-auto Compiler::ir_of_shader() -> FileText {
+auto Compiler::compile_shader_to_ir() -> FileText {
     FileText result;
     spirv::ShaderLines lines;
     require_in_path("spirv-dis", "the Debian package spirv-tools");
     const bool is_binary = file_.extension() == ".spv";
     if (is_binary) run({"spirv-val"}, file_, {});
 
-    const fs::path spirv_file = is_binary ? file_ : spirv_of_shader(result.source, lines);
+    const fs::path spirv_file = is_binary ? file_ : compile_shader_to_spirv(result.source, lines);
     const fs::path assembly_file = temporary_folder_.path / "function.spvasm";
     run({"spirv-dis", "--no-color", "--no-header", "--no-indent"}, spirv_file, assembly_file);
     const std::string assembly = read_file(assembly_file);
@@ -139,7 +140,7 @@ auto Compiler::ir_of_shader() -> FileText {
     return result;
 }
 
-fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& lines) {
+fs::path Compiler::compile_shader_to_spirv(std::string& source, spirv::ShaderLines& lines) {
     using device::Language;
     const Language language = file_.extension() == ".hlsl" ? Language::hlsl : Language::glsl;
     source = read_file(file_);
@@ -157,10 +158,10 @@ fs::path Compiler::spirv_of_shader(std::string& source, spirv::ShaderLines& line
     const fs::path copied_source = temporary_folder_.path / file_.filename(),
                    output = temporary_folder_.path / "function.spv";
     try {
-        write_text(copied_source, spirv::program_with_token_lines(source, language, lines));
+        write_text(copied_source, spirv::write_program_with_token_lines(source, language, lines));
         run(arguments, copied_source, output);
     } catch (const InputError&) {
-        write_text(copied_source, spirv::program_with_user_lines(source, language));
+        write_text(copied_source, spirv::write_program_with_user_lines(source, language));
         run(arguments, copied_source, output);
         throw;
     }
@@ -185,7 +186,7 @@ fs::path Compiler::write_source(const std::string& text) {
     return source;
 }
 
-process::ProgramArguments Compiler::clang_arguments() const {
+process::ProgramArguments Compiler::make_clang_arguments() const {
     process::ProgramArguments arguments{compiler_, "-w", "-ffp-contract=off"};
     if (language_ == SourceLanguage::llvm) return arguments;
     arguments.insert(arguments.end(),
@@ -195,7 +196,7 @@ process::ProgramArguments Compiler::clang_arguments() const {
 }
 
 /// `kind` is the type of the crate: lib or cdylib.
-process::ProgramArguments Compiler::rust_arguments(const std::string& kind) const {
+process::ProgramArguments Compiler::make_rust_arguments(const std::string& kind) const {
     return {compiler_,
             "--edition=2021",
             "-Awarnings",

@@ -31,7 +31,7 @@ public:
         std::string ir, source;
     };
     /// Returns the LLVM IR of a file that holds LLVM IR, bitcode (read by llvm-dis) or a shader.
-    FileText ir_of_file();
+    FileText read_ir_or_compile();
     enum class Optimisation : std::uint8_t { off, on };
     /// Compiles the user's file with `text` appended, and returns the LLVM IR. Only rustc optimises it.
     std::string compile_to_ir(const std::string& text, Optimisation optimisation);
@@ -42,13 +42,13 @@ public:
     [[nodiscard]] const fs::path& file() const { return file_; }
 
 private:
-    std::string ir_of_bitcode();
-    FileText ir_of_shader();
-    fs::path spirv_of_shader(std::string& source, spirv::ShaderLines& lines);
+    std::string disassemble_bitcode();
+    FileText compile_shader_to_ir();
+    fs::path compile_shader_to_spirv(std::string& source, spirv::ShaderLines& lines);
     bool has_opaque_pointers();
     fs::path write_source(const std::string& text);
-    [[nodiscard]] process::ProgramArguments clang_arguments() const;
-    [[nodiscard]] process::ProgramArguments rust_arguments(const std::string& kind) const;
+    [[nodiscard]] process::ProgramArguments make_clang_arguments() const;
+    [[nodiscard]] process::ProgramArguments make_rust_arguments(const std::string& kind) const;
     void run(process::ProgramArguments arguments, const fs::path& source, const fs::path& output,
              const process::ProgramArguments& trailing_arguments = {});
     void require_in_path(const std::string& program, const std::string& package) const;

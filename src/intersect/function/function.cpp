@@ -96,7 +96,7 @@ std::string probed_ir(Compiler& compiler, SourceLanguage language, const OptionP
     }
     const std::string ir_without_name =
         compiler.compile_to_ir(probe_of(language, compiler.file(), ""), Compiler::Optimisation::off);
-    throw InputError(missing_function_message(ir_without_name, parts.file.string(), parts.function, language));
+    throw InputError(describe_missing_function(ir_without_name, parts.file.string(), parts.function, language));
 }
 
 /// Returns the decision whether t means a miss. `NumberDecisions` decides on numbers; `NodeDecisions` records the
@@ -365,7 +365,8 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     user_function->language = file_language_of(parts.file, language);
     Compiler compiler(parts.file, language, settings);
     const bool is_ir = language == SourceLanguage::llvm;
-    const Compiler::FileText file = is_ir ? compiler.ir_of_file() : Compiler::FileText{{}, read_file(parts.file)};
+    const Compiler::FileText file =
+        is_ir ? compiler.read_ir_or_compile() : Compiler::FileText{{}, read_file(parts.file)};
     user_function->source = file.source;
     const std::string subject = user_function->path + ":" + parts.function;
 
@@ -374,13 +375,13 @@ std::unique_ptr<UserFunction> load_function(const std::string& option, const Com
     UserSignature signature = read_signature(probe, user_function->path, parts.function, language);
     guess_signature(signature,
                     parts.signature.empty()
-                        ? signature_in_comments(user_function->source, user_function->path, signature.line)
+                        ? read_signature_in_comments(user_function->source, user_function->path, signature.line)
                         : stated_signature(parts.signature, "--function " + option),
                     subject);
 
     // Records the operations of the function.
     const std::string wrapper =
-        is_ir ? ir_wrapper_of(signature, probe, subject)
+        is_ir ? write_ir_wrapper(signature, probe, subject)
               : write_wrapper(signature,
                               language == SourceLanguage::rust ? user_function->source : compiler.file().string());
     Module module(is_ir ? wrapper : compiler.compile_to_ir(wrapper, Compiler::Optimisation::on));

@@ -68,8 +68,8 @@ void register_forms(std::unique_ptr<UserFunction> function);
 
 /// Returns the line of the user's file that contains an operation, marked as compilers mark an error. Empty for other
 /// forms and for operations without a place. `node` is the index of the operation on a tape of `format`.
-std::string quoted_line(const Info& form, const Format& format, NodeId node);
-/// Returns the place of an operation, such as `sphere.c:12:20`; empty as for `quoted_line`.
+std::string quote_line(const Info& form, const Format& format, NodeId node);
+/// Returns the place of an operation, such as `sphere.c:12:20`; empty as for `quote_line`.
 std::string place_text(const Info& form, const Format& format, NodeId node);
 
 }  // namespace lostbits::intersect::function

@@ -75,7 +75,7 @@ NodeId Nodes::narrow(NodeId x) {
     const bool rounds_once = n.op == TapeOp::add || n.op == TapeOp::sub || n.op == TapeOp::mul || n.op == TapeOp::div ||
                              n.op == TapeOp::sqrt;
     if (rounds_once)
-        if (const auto operands = unwidened_operands(n.operands, row_of(n.op).operands))
+        if (const auto operands = unwidened_operands(n.operands, row_of(n.op).operand_count))
             return add({.op = n.op, .operands = *operands, .place = n.place});
     return add({.op = TapeOp::convert, .operands = {x, no_node, no_node}});
 }
@@ -100,7 +100,7 @@ NodeId Nodes::arithmetic(TapeOp op, NodeId a, NodeId b, NodeId c) {
     const bool is_exact =
         op == TapeOp::neg || op == TapeOp::abs || op == TapeOp::copysign || op == TapeOp::min || op == TapeOp::max;
     if (wide && is_exact)
-        if (const auto narrow_operands = unwidened_operands(operands, row_of(op).operands)) {
+        if (const auto narrow_operands = unwidened_operands(operands, row_of(op).operand_count)) {
             const auto [x, y, z] = *narrow_operands;
             return widen(arithmetic(op, x, y, z));
         }
@@ -355,7 +355,7 @@ Nodes::FormulaWithPlaces Nodes::to_formula(Mask hit, NodeId t, NodeId near, Node
         table::WrittenOperation w{.op = n.op, .value = n.value, .label = n.label, .wide = n.wide};
         if (n.op == TapeOp::input) w.operands = n.operands;
         else if (n.op != TapeOp::constant)
-            for (std::size_t k = 0; k < row_of(n.op).operands; ++k) w.operands[k] = operation_of[n.operands[k]];
+            for (std::size_t k = 0; k < row_of(n.op).operand_count; ++k) w.operands[k] = operation_of[n.operands[k]];
         operation_of[i] = append(std::move(w), n.place);
     }
 
@@ -380,7 +380,7 @@ std::vector<bool> Nodes::find_needed(std::initializer_list<NodeId> outputs) cons
         if (i >= 0) is_needed[i] = true;
     for (std::size_t i = nodes_.size(); i-- > 0;) {
         if (!is_needed[i] || is_given(nodes_[i].op)) continue;
-        for (std::size_t k = 0; k < row_of(nodes_[i].op).operands; ++k) is_needed[nodes_[i].operands[k]] = true;
+        for (std::size_t k = 0; k < row_of(nodes_[i].op).operand_count; ++k) is_needed[nodes_[i].operands[k]] = true;
     }
     return is_needed;
 }

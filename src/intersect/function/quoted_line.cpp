@@ -53,7 +53,7 @@ namespace {
 const UserFunction* function_with_place(const Info& form, const Format& format, NodeId node, int& place_index) {
     const UserFunction* const f = function_of(form);
     if (f == nullptr) return nullptr;
-    const std::vector<NodeId> nodes = f->written->nodes_on_tape(format);
+    const std::vector<NodeId> nodes = f->written->find_nodes_on_tape(format);
     const auto node_entry = std::ranges::find(nodes, node);
     if (node_entry == nodes.end()) return nullptr;
     place_index = f->place_of_operation[node_entry - nodes.begin()];
@@ -88,7 +88,7 @@ std::string read_line(const UserFunction& function, const SourcePlace& place) {
 
 /// Marks the expression at a byte of a line: blanks, then ~ below the expression and ^ below the byte.
 std::string marks_below(const std::string& line, std::size_t marked_byte) {
-    const auto [begin, end] = source_text::SourceTokens(line).expression_at(marked_byte);
+    const auto [begin, end] = source_text::SourceTokens(line).find_expression_at(marked_byte);
     std::string marks;
     for (std::size_t k = 0; k < end; ++k) {
         if ((static_cast<unsigned char>(line[k]) & 0xC0U) == 0x80U) continue;  // a later byte of a UTF-8 character
@@ -109,7 +109,7 @@ std::string place_text(const Info& form, const Format& format, NodeId node) {
     return f == nullptr ? "" : text_of_place(f->places[place_index]);
 }
 
-std::string quoted_line(const Info& form, const Format& format, NodeId node) {
+std::string quote_line(const Info& form, const Format& format, NodeId node) {
     int place_index = -1;
     const UserFunction* const f = function_with_place(form, format, node, place_index);
     if (f == nullptr) return "";

@@ -21,7 +21,7 @@ public:
     std::vector<ArgumentPart> all;
 
     void add(const Argument& a, int index) {
-        argument_names_ = normalized_name(a.name) + " " + normalized_name(a.target().name);
+        argument_names_ = normalise_name(a.name) + " " + normalise_name(a.target().name);
         const bool is_pointer = a.type.kind == Kind::pointer;
         argument_ = index;
         is_out_ = is_pointer && !a.type.is_const && !a.is_this && is_answer(a);
@@ -30,18 +30,18 @@ public:
         // A pointer to a number means one number if its name says so, and three otherwise; a reference means one.
         if (is_pointer && a.target().kind == Kind::number) {
             const bool is_single = a.type.name == "&" || is_out_ ||
-                                   is_one_of(normalized_name(a.name), {"radius", "r", "tmin", "tmax", "t"});
-            ArgumentPart& p = add_number(0, a.target().size, name, normalized_name(a.name));
+                                   is_one_of(normalise_name(a.name), {"radius", "r", "tmin", "tmax", "t"});
+            ArgumentPart& p = add_number(0, a.target().size, name, normalise_name(a.name));
             p.is_vector = !is_single;
             p.points_to_numbers = a.type.name != "&";
             return;
         }
-        flatten(a.target(), 0, name, normalized_name(a.name));
+        flatten(a.target(), 0, name, normalise_name(a.name));
     }
 
 private:
     static bool is_answer(const Argument& a) {
-        const std::string name = normalized_name(a.name), type = normalized_name(a.target().name);
+        const std::string name = normalise_name(a.name), type = normalise_name(a.target().name);
         if (a.target().kind == Kind::number || a.target().kind == Kind::integer)
             return !is_one_of(
                 name, {"o",   "d",   "org", "orig", "origin", "dir", "direction", "center", "centre", "c",
@@ -84,7 +84,7 @@ private:
         if (is_sequence && (count == 3 || (count == 4 && !is_radius_name(last_member)))) {
             const bool has_own_names =
                 type.kind == Kind::structure && type.parts.size() >= 3 && type.parts[0].kind == Kind::number &&
-                is_one_of(normalized_name(type.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
+                is_one_of(normalise_name(type.parts[0].member), {"t", "tmin", "tnear", "near", "dist", "radius"});
             if (!has_own_names) {
                 add_vector(offset, size, path, last_name).has_fourth = count == 4;
                 return;
@@ -115,7 +115,7 @@ private:
             for (const SourceType& p : type.parts) {
                 const std::string name = p.member.starts_with("__") ? p.member.substr(2) : p.member;
                 flatten(p, offset + p.offset, name.empty() ? path : path + "." + name,
-                        name.empty() ? last_name : normalized_name(name));
+                        name.empty() ? last_name : normalise_name(name));
             }
     }
 
@@ -159,9 +159,9 @@ Shape guess_shape(const UserSignature& signature, const StatedSignature& stated,
                   const std::string& message_prefix) {
     // The shape that is stated, or that the names of the function or its arguments contain.
     if (!stated.shape.empty()) return stated_shape(stated);
-    if (const auto named = find_shape(normalized_name(signature.call))) return *named;
+    if (const auto named = find_shape(normalise_name(signature.call))) return *named;
     for (const Argument& a : signature.arguments)
-        if (const auto named = find_shape(normalized_name(a.target().name) + " " + normalized_name(a.name)))
+        if (const auto named = find_shape(normalise_name(a.target().name) + " " + normalise_name(a.name)))
             return *named;
 
     // The only shape with so many vectors and numbers beside the origin and the direction.
@@ -366,11 +366,11 @@ std::vector<ArgumentPart> find_answers(UserSignature& signature, const std::vect
         signature.hit = NumberSlot{-1, 0, value->size, true};
     } else if (value->kind == Kind::structure) {
         // Three numbers x, y, z are t and coordinates inside of a triangle.
-        const bool is_vector = value->parts.size() > 2 && normalized_name(value->parts[1].member) == "y";
+        const bool is_vector = value->parts.size() > 2 && normalise_name(value->parts[1].member) == "y";
         for (const SourceType& type : std::span(value->parts).first(is_vector ? 1 : value->parts.size())) {
             if (type.kind != Kind::number && type.kind != Kind::integer) continue;
             const std::string last =
-                normalized_name(type.member.starts_with("__") ? type.member.substr(2) : type.member);
+                normalise_name(type.member.starts_with("__") ? type.member.substr(2) : type.member);
             returned_parts.push_back({.slot = {-1, type.offset, type.size, type.kind == Kind::integer},
                                       .path = type.member,
                                       .last_name = last});

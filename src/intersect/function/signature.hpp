@@ -99,7 +99,7 @@ struct StatedSignature {
 StatedSignature stated_signature(const std::string& text, const std::string& message_prefix);
 /// Reads the text after `lostbits:` in a comment inside the function that is defined at line `definition`, or directly
 /// above it. Without such a comment, combines the comments that do not stand above a function.
-StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition);
+StatedSignature read_signature_in_comments(const std::string& source, const std::string& path, int definition);
 /// Returns the shape that the user states. Throws InputError with the known names for any other text.
 Shape stated_shape(const StatedSignature& stated);
 /// Sets a property that the user states. Throws InputError with `message_prefix` in front for an unknown key or an
@@ -158,8 +158,8 @@ void apply_stated_roles(std::vector<ArgumentPart>& parts, Shape shape, const Sta
 bool contains_word(const std::string& source, const std::string& name);
 /// Returns the message that a file does not have the function, with a list of the functions that the file defines. `ir`
 /// is the LLVM IR of the file.
-std::string missing_function_message(const std::string& ir, const std::string& path, const std::string& name,
-                                     SourceLanguage language);
+std::string describe_missing_function(const std::string& ir, const std::string& path, const std::string& name,
+                                      SourceLanguage language);
 /// Returns the expression of the number at an offset of an argument, as the source writes it: `ray->origin[1]`.
 std::string part_text(const Argument& argument, std::size_t offset);
 /// Reads the signature from the debug information of a module. Without debug information, the types are those of the
@@ -174,6 +174,6 @@ void guess_signature(UserSignature& signature, const StatedSignature& stated, co
 /// function.
 std::string write_wrapper(const UserSignature& signature, const std::string& file);
 /// Returns the text of the LLVM IR module followed by the new function.
-std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& message_prefix);
+std::string write_ir_wrapper(const UserSignature& signature, Module& module, const std::string& message_prefix);
 
 }  // namespace lostbits::intersect::function

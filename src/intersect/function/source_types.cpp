@@ -238,7 +238,7 @@ void set_ir_types(UserSignature& signature, Module& module, const IrFunction& fu
         if (p.type->kind == Type::Kind::pointer) {
             const bool has_target_type = p.type_text.ends_with('*');
             const bool is_answer =
-                is_one_of(normalized_name(a.name), {"t", "tout", "thit", "dist", "far", "hit", "u", "v"});
+                is_one_of(normalise_name(a.name), {"t", "tout", "thit", "dist", "far", "hit", "u", "v"});
             a.type = {.kind = Kind::pointer, .name = "*", .size = 8, .is_const = !is_answer};
             const std::string_view target = p.type_text.substr(0, p.type_text.size() - (has_target_type ? 1 : 0));
             a.type.parts = {has_target_type ? source_type_of(*type_of_text(target)) : source_number(default_size)};
@@ -303,7 +303,7 @@ const IrFunction& find_definition(const Module& module, const std::string& path,
         best_quality = quality;
     }
 
-    if (best_function == nullptr) throw InputError(missing_function_message(module.text(), path, name, language));
+    if (best_function == nullptr) throw InputError(describe_missing_function(module.text(), path, name, language));
     if (is_overloaded)
         throw InputError(path + ": has several functions " + external::quote_text(function_name) +
                          "; name one by its line: " + candidate_lines);
@@ -342,7 +342,7 @@ int count_numbers(const SourceType& type, std::size_t& size, std::string& last_m
     if (type.kind == Kind::number) {
         if (size != 0 && size != type.size) return -1;
         size = type.size;
-        last_member = normalized_name(type.member);
+        last_member = normalise_name(type.member);
         return 1;
     }
 
@@ -409,8 +409,8 @@ std::string part_text(const Argument& argument, std::size_t offset) {
     return text;
 }
 
-std::string missing_function_message(const std::string& ir, const std::string& path, const std::string& name,
-                                     SourceLanguage language) {
+std::string describe_missing_function(const std::string& ir, const std::string& path, const std::string& name,
+                                      SourceLanguage language) {
     constexpr std::size_t max_listed = 12;
     std::set<std::string> names;
     if (ir.find("define ") != std::string::npos) {

@@ -23,7 +23,7 @@ std::string trimmed(std::string_view text) {
 /// Reads `sphere(o, d, c, r)` or `sphere`, and returns the rest of the text.
 std::string_view read_shape_and_roles(std::string_view text, std::size_t name_end, std::size_t next_text,
                                       StatedSignature& result) {
-    result.shape = normalized_name(text.substr(0, name_end));
+    result.shape = normalise_name(text.substr(0, name_end));
     std::string_view rest = text.substr(next_text);
     if (!rest.starts_with('(')) return rest;
 
@@ -148,7 +148,7 @@ StatedSignature stated_signature(const std::string& text, const std::string& mes
     return result;
 }
 
-StatedSignature signature_in_comments(const std::string& source, const std::string& path, int definition) {
+StatedSignature read_signature_in_comments(const std::string& source, const std::string& path, int definition) {
     const CommentedSource commented(source, definition);
     std::optional<StatedSignature> function_statement, file_statement;
     constexpr std::string_view mark = "lostbits:";
@@ -256,7 +256,7 @@ void apply_stated_role(std::vector<ArgumentPart>& parts, std::size_t i, Shape sh
     const auto fail = [&](const std::string& problem) {
         throw InputError(stated.message_prefix + ": " + external::quote_text(stated.roles[i]) + " " + problem);
     };
-    std::string name = normalized_name(stated.roles[i]);
+    std::string name = normalise_name(stated.roles[i]);
     const int component = split_component(name);
     const std::string role = find_stated_role(name, shape);
     if (role.empty())

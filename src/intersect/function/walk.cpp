@@ -225,7 +225,7 @@ void Walk::join_registers(Mask when, Registers& registers, const Registers& othe
     }
 }
 
-int Walk::new_object(MemoryState& state, bool is_written) {
+int Walk::add_object(MemoryState& state, bool is_written) {
     const int object = object_count_++;
     if (is_written) {
         state.memory.resize(static_cast<std::size_t>(object) + 1);
@@ -404,7 +404,7 @@ void Walk::set_parameters(MemoryState& state, const IrFunction& function, const 
         Value argument = arguments[k];
         if (p.by_value != nullptr) {
             const Value copy = load(state, argument, p.by_value->size);
-            argument = integer_from_cases({{yes, new_object(state), 0}}, 8);
+            argument = integer_from_cases({{yes, add_object(state), 0}}, 8);
             store(state, argument, p.by_value->size, copy);
         }
         state.registers[p.name] = std::move(argument);
@@ -440,7 +440,7 @@ Walk::Answer Walk::run(const std::string& name, int input_count) {
         // Passes a pointer to each of the three objects.
         MemoryState state;
         std::vector<Value> arguments;
-        for (int k = 0; k < 3; ++k) arguments.push_back(integer_from_cases({{yes, new_object(state), 0}}, 8));
+        for (int k = 0; k < 3; ++k) arguments.push_back(integer_from_cases({{yes, add_object(state), 0}}, 8));
         const std::size_t size = nodes_.bits() / 8;
         Value input;
         for (int k = 0; k < input_count; ++k)

@@ -121,7 +121,7 @@ private:
     void join(MemoryState& state, MemoryState&& other);
     void join_memory(Mask when, MemoryState& state, const MemoryState& other);
     void join_registers(Mask when, Registers& registers, const Registers& others);
-    int new_object(MemoryState& state, bool is_written = true);
+    int add_object(MemoryState& state, bool is_written = true);
     Value load(MemoryState& state, const Value& pointer, std::size_t size);
     Value load_from(const MemoryState& state, const PossibleValue& address, std::size_t size);
     void store(MemoryState& state, const Value& pointer, std::size_t size, const Value& value);

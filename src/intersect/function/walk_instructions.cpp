@@ -148,7 +148,7 @@ Value Walk::compute(MemoryState& state, std::string_view op, Cursor& cursor) {
     if (op == "alloca") {
         cursor.take("inalloca");
         static_cast<void>(module_.read_type(cursor));
-        return integer_from_cases({{yes, new_object(state), 0}}, 8);
+        return integer_from_cases({{yes, add_object(state), 0}}, 8);
     }
     if (op == "load") return run_load(state, cursor);
     if (op == "store") {

@@ -285,7 +285,7 @@ NodeId Walk::read_literal(const Type& type, Cursor& cursor) {
 Value Walk::address_of(MemoryState& state, const std::string& name) {
     const auto [known_object, is_new] = global_objects_.try_emplace(name, 0);
     if (is_new) {
-        known_object->second = new_object(state, false);
+        known_object->second = add_object(state, false);
         const int object = known_object->second;
         const auto global = module_.globals.find(name);
         if (global == module_.globals.end()) {

@@ -348,7 +348,7 @@ std::string write_wrapper(const UserSignature& signature, const std::string& fil
     return signature.language == SourceLanguage::rust ? rust_wrapper(signature, file) : c_wrapper(signature, file);
 }
 
-std::string ir_wrapper_of(const UserSignature& signature, Module& module, const std::string& message_prefix) {
+std::string write_ir_wrapper(const UserSignature& signature, Module& module, const std::string& message_prefix) {
     IrWriter writer(module);
     for (const Argument& a : signature.arguments) writer.new_bytes(a.target().size);
     writer.new_bytes(signature.returned.size);

@@ -20,11 +20,11 @@ SharedMemory::~SharedMemory() {
     if (descriptor_ >= 0) close(descriptor_);
 }
 
-std::byte* SharedMemory::with_bytes(std::size_t bytes) {
-    if (bytes <= mapped_) return base_;
+std::byte* SharedMemory::grow_to(std::size_t byte_count) {
+    if (byte_count <= mapped_) return base_;
     struct stat info {};
     if (fstat(descriptor_, &info) != 0) return nullptr;
-    const std::size_t size = std::max({bytes, 2 * mapped_, static_cast<std::size_t>(info.st_size)});
+    const std::size_t size = std::max({byte_count, 2 * mapped_, static_cast<std::size_t>(info.st_size)});
     if (size > static_cast<std::size_t>(info.st_size) && ftruncate(descriptor_, static_cast<off_t>(size)) != 0)
         return nullptr;
     void* const mapping = base_ == nullptr ? mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, 0)

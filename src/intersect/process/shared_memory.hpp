@@ -22,7 +22,7 @@ public:
     [[nodiscard]] int descriptor() const { return descriptor_; }
     /// Grows the memory to at least this many bytes; the contents stay. Null if there is not enough memory. Earlier
     /// pointers into the memory become invalid.
-    std::byte* with_bytes(std::size_t bytes);
+    std::byte* grow_to(std::size_t byte_count);
 
 private:
     int descriptor_ = -1;

@@ -5,7 +5,7 @@
 
 namespace lostbits::intersect::sdf {
 
-/// After the hit of `sphere_trace`, looks for a point inside at hit_eps, 2 hit_eps, … behind the hit, `doublings`
+/// After the hit of `sphere_trace`, looks for a point inside at hit_eps, 2 hit_eps, … behind the hit, `max_doublings`
 /// times, so up to 2^7 hit_eps. Then it halves the interval bisect_steps times and returns its middle. If no point
 /// inside is found (a ray that meets the surface at a cosine below 2^-7), t is not changed. Uses hit_eps, max_dist,
 /// max_steps, bisect_steps.
@@ -18,7 +18,7 @@ struct BisectRefined {
 
     template <Number T, class Field, class Watch>
     static Hit<T> intersect(const Ray<T>& ray, const Field& field, const MarchConstants<T>& constants, Watch& watch) {
-        constexpr int doublings = 8;
+        constexpr int max_doublings = 8;
         const T zero(0), two(2);
         const auto m = march(ray, field, constants, watch, [&](const T& d, const T&) { return d < constants.hit_eps; });
         auto is_inside = m.hit && m.d < zero;  // the last step already went through the surface
@@ -27,7 +27,7 @@ struct BisectRefined {
         T distance = constants.hit_eps;
 
         // Steps further along the ray until a point lies inside.
-        for (int i = 0; i < doublings && any_of(m.hit && !is_inside); ++i) {
+        for (int i = 0; i < max_doublings && any_of(m.hit && !is_inside); ++i) {
             const auto is_outside = m.hit && !is_inside;
             high = select(is_outside, m.t + distance, high);
             is_inside = is_inside || (is_outside && field(point_on_ray(ray, high)) < zero);

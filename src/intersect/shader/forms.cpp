@@ -94,7 +94,7 @@ private:
 
 std::shared_ptr<DeviceProgram> compile(const ShaderSource& shader, Device& target_device, int bits) {
     try {
-        return target_device.compile(program_text(shader, bits, target_device.limits().glsl),
+        return target_device.compile(write_program_text(shader, bits, target_device.limits().glsl),
                                      shader.is_hlsl ? device::Language::hlsl : device::Language::glsl);
     } catch (const CompileError& error) {
         const bool is_rewritten = shader.signature.is_double != (bits == 64);
@@ -109,8 +109,8 @@ std::shared_ptr<DeviceProgram> compile(const ShaderSource& shader, Device& targe
 }  // namespace
 
 std::size_t max_rays_per_run(const DeviceLimits& limits, int bits) {
-    const std::size_t by_buffer = limits.buffer_bytes / (6 * static_cast<std::size_t>(bits) / 8);
-    return std::max<std::size_t>(1, std::min(by_buffer, limits.groups * group_size));
+    const std::size_t by_buffer = limits.max_buffer_bytes / (6 * static_cast<std::size_t>(bits) / 8);
+    return std::max<std::size_t>(1, std::min(by_buffer, limits.max_groups * group_size));
 }
 
 std::vector<external::ForeignForm> forms_of(const ShaderSource& shader, const std::shared_ptr<Device>& target_device,

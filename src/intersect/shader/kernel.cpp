@@ -305,7 +305,7 @@ std::pair<std::string, std::string> embeddable_text(const std::string& text) {
     return {"#version 450\n" + site_declarations(code), code};
 }
 
-std::string program_text(const ShaderSource& shader, int bits, int version) {
+std::string write_program_text(const ShaderSource& shader, int bits, int version) {
     const auto line = [](int number) { return "\n#line " + std::to_string(number) + "\n"; };
     Signature signature = shader.signature;
     if (shader.is_hlsl)

@@ -29,7 +29,7 @@ inline constexpr int kernel_first_line = 1'000'001;
 /// user's text keeps its lines. Names that only other stages have (`gl_FragCoord`, `in` and `out` of the file, `main`)
 /// are renamed or blanked without moving a column. Uniforms become variables with the value 0, the value of a uniform
 /// that is never set.
-std::string program_text(const ShaderSource& shader, int bits, int version);
+std::string write_program_text(const ShaderSource& shader, int bits, int version);
 
 /// Prepares a GLSL file for a program that contains it. Returns two texts: the lines in front of the file (`#version`
 /// and declarations), and the text of the file, with the same lines and columns, in which uniforms are variables

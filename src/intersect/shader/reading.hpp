@@ -49,8 +49,8 @@ struct CountedLoop {
     static constexpr long long endless = 1'000'000'000'001;  ///< above the count of any bounded loop
 
     std::size_t line;
-    long long iterations;         ///< largest number of iterations
-    long long nested_iterations;  ///< `iterations` times the iterations of all enclosing loops
+    long long max_iterations;         ///< largest number of iterations
+    long long max_nested_iterations;  ///< `max_iterations` times the iterations of all enclosing loops
 };
 
 /// Returns the loops whose header has an integer, and the loops without an end. `tokens` holds the tokens of the file,

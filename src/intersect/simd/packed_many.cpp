@@ -19,17 +19,17 @@ struct RayNumbers {
 
 /// Runs the kernel on the primitives after the last whole register, in buffers of a register's size.
 template <class F>
-[[gnu::noinline]] void run_primitive_tail(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes,
+[[gnu::noinline]] void run_primitive_tail(void (*kernel)(const RawPrimitives<F>&), std::size_t lane_count,
                                           const RawPrimitives<F>& all) {
-    const std::size_t rest_count = all.size % lanes, whole_count = all.size - rest_count;
+    const std::size_t rest_count = all.size % lane_count, whole_count = all.size - rest_count;
     RegisterColumn<F> numbers[std::extent_v<decltype(RawPrimitives<F>::numbers)>], t;
     std::uint8_t hit[sizeof t.lanes / sizeof(F)];
-    RawPrimitives<F> part{.ray = all.ray, .numbers = {}, .t = t.lanes, .hit = hit, .size = lanes};
+    RawPrimitives<F> part{.ray = all.ray, .numbers = {}, .t = t.lanes, .hit = hit, .size = lane_count};
     for (std::size_t c = 0; c < std::size(numbers) && all.numbers[c]; ++c) {
-        numbers[c].fill(all.numbers[c] + whole_count, rest_count, lanes);
+        numbers[c].fill(all.numbers[c] + whole_count, rest_count, lane_count);
         part.numbers[c] = numbers[c].lanes;
     }
-    t.fill(all.t + whole_count, rest_count, lanes);
+    t.fill(all.t + whole_count, rest_count, lane_count);
     kernel(part);
     std::copy_n(t.lanes, rest_count, all.t + whole_count);
     if (all.hit) std::copy_n(hit, rest_count, all.hit + whole_count);
@@ -37,13 +37,13 @@ template <class F>
 
 /// Runs the kernel on the primitives that do not fill a register, then on the whole registers.
 template <class F>
-void run_primitives(void (*kernel)(const RawPrimitives<F>&), std::size_t lanes, const Ray<F>& ray,
+void run_primitives(void (*kernel)(const RawPrimitives<F>&), std::size_t lane_count, const Ray<F>& ray,
                     const PrimitiveArrays<F>& primitives, std::span<F> t, std::span<std::uint8_t> hit) {
     const RayNumbers<F> r(ray);
     RawPrimitives<F> all{r.numbers, {}, t.data(), hit.data(), primitives.size()};
     std::ranges::transform(primitives.numbers, all.numbers, [](const auto& column) { return column.data(); });
-    if (all.size % lanes) run_primitive_tail<F>(kernel, lanes, all);
-    all.size -= all.size % lanes;
+    if (all.size % lane_count) run_primitive_tail<F>(kernel, lane_count, all);
+    all.size -= all.size % lane_count;
     if (all.size) kernel(all);
 }
 
@@ -79,7 +79,7 @@ template <class S>
 void ManyKernel<S>::operator()(const Ray<S>& ray, const PrimitiveArrays<S>& primitives, std::span<S> t,
                                std::span<std::uint8_t> hit) const {
     if (plain_) plain_(ray, primitives, t, hit);
-    else run_primitives<S>(packed_, lanes_, ray, primitives, t, hit);
+    else run_primitives<S>(packed_, lane_count_, ray, primitives, t, hit);
 }
 
 template class ManyKernel<float>;

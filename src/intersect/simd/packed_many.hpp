@@ -25,7 +25,7 @@ public:
     using Packed = void (*)(const RawPrimitives<S>&);
 
     constexpr ManyKernel(Plain plain = nullptr) : plain_(plain) {}
-    constexpr ManyKernel(Packed packed, std::size_t lanes) : packed_(packed), lanes_(lanes) {}
+    constexpr ManyKernel(Packed packed, std::size_t lane_count) : packed_(packed), lane_count_(lane_count) {}
 
     void operator()(const Ray<S>& ray, const PrimitiveArrays<S>& primitives, std::span<S> t,
                     std::span<std::uint8_t> hit = {}) const;
@@ -34,7 +34,7 @@ public:
 private:
     Plain plain_ = nullptr;
     Packed packed_ = nullptr;
-    std::size_t lanes_ = 0;
+    std::size_t lane_count_ = 0;
 };
 
 /// The kernels of a form. Both are null for a march. `f64` is also null if the shape has no kernels for many

@@ -72,7 +72,7 @@ struct RegisterColumn {
 
 /// Runs a batch with fewer rays than fill a register, in buffers of a register's size.
 template <class F>
-void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
+void run_tail(RawKernel<F> kernel, std::size_t lane_count, const RawBatch<F>& rest) {
     RegisterColumn<F> rays[6], tmax, t, near, far;
     std::uint8_t hit[sizeof t.lanes / sizeof(F)];
     RawBatch<F> full{.rays = {},
@@ -82,14 +82,14 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
                      .near = near.lanes,
                      .far = far.lanes,
                      .hit = hit,
-                     .size = lanes};
+                     .size = lane_count};
 
     for (int c = 0; c < 6; ++c) {
-        rays[c].fill(rest.rays[c], rest.size, lanes);
+        rays[c].fill(rest.rays[c], rest.size, lane_count);
         full.rays[c] = rays[c].lanes;
     }
     if (rest.tmax) {
-        tmax.fill(rest.tmax, rest.size, lanes);
+        tmax.fill(rest.tmax, rest.size, lane_count);
         full.tmax = tmax.lanes;
     }
     kernel(full);
@@ -101,28 +101,28 @@ void run_tail(RawKernel<F> kernel, std::size_t lanes, const RawBatch<F>& rest) {
     std::copy_n(hit, rest.size, rest.hit);
 }
 
-/// Runs a batch of any size by a kernel for whole registers of `lanes` numbers.
+/// Runs a batch of any size by a kernel for whole registers of `lane_count` numbers.
 template <class F>
-void run_packed(RawKernel<F> kernel, std::size_t lanes, const table::RayBatch<F>& rays, const Target<F>& target,
+void run_packed(RawKernel<F> kernel, std::size_t lane_count, const table::RayBatch<F>& rays, const Target<F>& target,
                 const table::HitBatch<F>& hits) {
     const FlatTarget<F> flat(target);
-    const std::size_t rest_count = rays.size() % lanes, whole_count = rays.size() - rest_count;
+    const std::size_t rest_count = rays.size() % lane_count, whole_count = rays.size() - rest_count;
     if (whole_count) kernel(raw_batch(rays, flat.raw(), hits, 0, whole_count));
-    if (rest_count) run_tail(kernel, lanes, raw_batch(rays, flat.raw(), hits, whole_count, rest_count));
+    if (rest_count) run_tail(kernel, lane_count, raw_batch(rays, flat.raw(), hits, whole_count, rest_count));
 }
 
 /// A kernel for whole registers, and the number of lanes of a register: the data for a kernel of the table.
 template <class F>
 struct RegisterKernel {
     RawKernel<F> kernel = nullptr;
-    std::size_t lanes = 0;
+    std::size_t lane_count = 0;
 
     /// Returns a kernel of the table, which refers to this object. The object must outlive the kernel.
     [[nodiscard]] table::Kernel<F> table_kernel() {
         if (!kernel) return nullptr;
         return {[](void* context, const auto& rays, const auto& target, const auto& hits) {
                     const auto& pack = *static_cast<const RegisterKernel*>(context);
-                    run_packed(pack.kernel, pack.lanes, rays, target, hits);
+                    run_packed(pack.kernel, pack.lane_count, rays, target, hits);
                 },
                 this};
     }
@@ -134,8 +134,8 @@ struct RegisterKernels {
     RegisterKernel<double> f64;
 
     RegisterKernels() = default;
-    RegisterKernels(const RawFormKernels& raw, std::size_t bytes)
-        : f32{raw.f32, bytes / sizeof(float)}, f64{raw.f64, bytes / sizeof(double)} {}
+    RegisterKernels(const RawFormKernels& raw, std::size_t register_bytes)
+        : f32{raw.f32, register_bytes / sizeof(float)}, f64{raw.f64, register_bytes / sizeof(double)} {}
 };
 
 }  // namespace lostbits::intersect::simd

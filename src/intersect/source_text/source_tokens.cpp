@@ -130,7 +130,7 @@ std::size_t SourceTokens::end_of_operand(std::size_t k) const {
     return std::min(k, tokens_.size());
 }
 
-TextSpan SourceTokens::expression_at(std::size_t offset) const {
+TextSpan SourceTokens::find_expression_at(std::size_t offset) const {
     const std::size_t k = index_at(offset);
     if (k == no_token) return {offset, offset + 1};
     const int own_precedence = precedence_of(text_of(k));
@@ -173,7 +173,7 @@ bool SourceTokens::is_binary_sign(std::size_t k) const {
     return !tokens_[k].is_word && partner_index_[k] == k && !joins_names(text_of(k)) && !is_prefix(k);
 }
 
-TextSpan SourceTokens::expression_from(std::size_t offset) const {
+TextSpan SourceTokens::find_expression_from(std::size_t offset) const {
     const std::size_t begin = index_at(offset);
     if (begin == no_token) return {offset, offset + 1};
     std::size_t end = begin;

@@ -22,9 +22,9 @@ public:
 
     /// Returns the expression whose operator is at this offset. If a name is at the offset, returns the call or the
     /// operand that begins with the name.
-    [[nodiscard]] TextSpan expression_at(std::size_t offset) const;
+    [[nodiscard]] TextSpan find_expression_at(std::size_t offset) const;
     /// Returns the longest expression that begins at this offset.
-    [[nodiscard]] TextSpan expression_from(std::size_t offset) const;
+    [[nodiscard]] TextSpan find_expression_from(std::size_t offset) const;
     /// Returns the value that `name = value` gives to a variable, if exactly one such statement begins between the two
     /// offsets.
     [[nodiscard]] std::optional<TextSpan> value_of(std::string_view name, std::size_t begin, std::size_t end) const;

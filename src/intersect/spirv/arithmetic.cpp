@@ -68,7 +68,7 @@ std::string counterpart(const Counterparts& counterparts, std::string_view op) {
 
 }  // namespace
 
-TypedText Translator::binary(const std::string& op, const TypedText& a, const TypedText& b) {
+TypedText Translator::emit_binary(const std::string& op, const TypedText& a, const TypedText& b) {
     return emit(*a.type, op + " " + a.typed() + ", " + b.text);
 }
 
@@ -83,7 +83,7 @@ TypedText Translator::select(const TypedText& when, const TypedText& a, const Ty
 }
 
 /// Calls `llvm.NAME` with values of one type.
-TypedText Translator::intrinsic(const std::string& name, const Values& x) {
+TypedText Translator::emit_intrinsic(const std::string& name, const Values& x) {
     const SpirvType& type = *x[0].type;
     std::string arguments, parameter_types;
     for (const TypedText& v : x) {
@@ -106,27 +106,27 @@ TypedText Translator::splat(double x, const SpirvType& type) {
 }
 
 TypedText Translator::scale(const TypedText& vector, const TypedText& scalar) {
-    return binary("fmul", vector, construct(*vector.type, Values(vector.type->count, scalar)));
+    return emit_binary("fmul", vector, construct(*vector.type, Values(vector.type->count, scalar)));
 }
 
 /// x₁y₁ + x₂y₂ + ..., added from the left.
 TypedText Translator::dot(const TypedText& a, const TypedText& b) {
-    const TypedText products = binary("fmul", a, b);
+    const TypedText products = emit_binary("fmul", a, b);
     if (a.type->kind != Kind::vector) return products;
     TypedText sum = extract_part(products, 0);
-    for (std::size_t k = 1; k < a.type->count; ++k) sum = binary("fadd", sum, extract_part(products, k));
+    for (std::size_t k = 1; k < a.type->count; ++k) sum = emit_binary("fadd", sum, extract_part(products, k));
     return sum;
 }
 
 TypedText Translator::length(const TypedText& a) {
-    return a.type->kind == Kind::vector ? intrinsic("sqrt", {dot(a, a)}) : intrinsic("fabs", {a});
+    return a.type->kind == Kind::vector ? emit_intrinsic("sqrt", {dot(a, a)}) : emit_intrinsic("fabs", {a});
 }
 
 /// The sum of the columns times the lanes of the vector, added from the left.
 TypedText Translator::matrix_times_vector(const TypedText& matrix, const TypedText& vector) {
     TypedText sum = scale(extract_part(matrix, 0), extract_part(vector, 0));
     for (std::size_t k = 1; k < matrix.type->count; ++k)
-        sum = binary("fadd", sum, scale(extract_part(matrix, k), extract_part(vector, k)));
+        sum = emit_binary("fadd", sum, scale(extract_part(matrix, k), extract_part(vector, k)));
     return sum;
 }
 
@@ -183,7 +183,7 @@ bool Translator::translate_arithmetic(const SpirvInstruction& instruction) {
 
     // Instructions with a counterpart in LLVM IR.
     if (const std::string op = counterpart(binaries, instruction.op); !op.empty()) {
-        result = binary(op, x(1), x(2));
+        result = emit_binary(op, x(1), x(2));
         return true;
     }
     if (const std::string comparison = counterpart(comparisons, instruction.op); !comparison.empty()) {
@@ -207,26 +207,26 @@ bool Translator::translate_arithmetic(const SpirvInstruction& instruction) {
     } else if (instruction.op == "OpFNegate") result = emit(type, "fneg " + x(1).typed());
     else if (instruction.op == "OpFMod" || instruction.op == "OpFRem") {  // x - y floor(x/y), x - y trunc(x/y)
         const TypedText rounded_quotient =
-            intrinsic(instruction.op == "OpFMod" ? "floor" : "trunc", {binary("fdiv", x(1), x(2))});
-        result = binary("fsub", x(1), binary("fmul", x(2), rounded_quotient));
-    } else if (instruction.op == "OpSNegate") result = binary("sub", {&type, "zeroinitializer", {}}, x(1));
+            emit_intrinsic(instruction.op == "OpFMod" ? "floor" : "trunc", {emit_binary("fdiv", x(1), x(2))});
+        result = emit_binary("fsub", x(1), emit_binary("fmul", x(2), rounded_quotient));
+    } else if (instruction.op == "OpSNegate") result = emit_binary("sub", {&type, "zeroinitializer", {}}, x(1));
     else if (instruction.op == "OpLogicalNot") result = compare("icmp eq", x(1), {&type, "zeroinitializer", {}});
     else if (instruction.op == "OpSelect") result = select(x(1), x(2), x(3));
     else if (instruction.op == "OpDot") result = dot(x(1), x(2));
     else if (instruction.op == "OpIsNan") result = compare("fcmp uno", x(1), x(1));
     else if (instruction.op == "OpIsInf")
-        result =
-            compare("fcmp oeq", intrinsic("fabs", {x(1)}), splat(std::numeric_limits<double>::infinity(), *x(1).type));
+        result = compare("fcmp oeq", emit_intrinsic("fabs", {x(1)}),
+                         splat(std::numeric_limits<double>::infinity(), *x(1).type));
     else if (instruction.op == "OpAny" || instruction.op == "OpAll") {
         const TypedText vector = x(1);
         if (vector.type->kind != Kind::vector) instruction.fail("a vector is missing");
         result = extract_part(vector, 0);
         for (std::size_t k = 1; k < vector.type->count; ++k)
-            result = binary(instruction.op == "OpAny" ? "or" : "and", result, extract_part(vector, k));
+            result = emit_binary(instruction.op == "OpAny" ? "or" : "and", result, extract_part(vector, k));
     } else if (instruction.op == "OpExtInst" && strings_[instruction.at(1)] == "GLSL.std.450") {
         Values arguments;
         for (std::size_t k = 3; k < instruction.operands.size(); ++k) arguments.push_back(x(k));
-        result = extended_instruction(instruction, instruction.at(2), type, arguments);
+        result = translate_extended_instruction(instruction, instruction.at(2), type, arguments);
     } else {
         values_.erase(instruction.result);
         return false;
@@ -236,8 +236,8 @@ bool Translator::translate_arithmetic(const SpirvInstruction& instruction) {
 
 /// Translates an instruction of GLSL.std.450 to the operations of its formula in the specification, from the left to
 /// the right.
-TypedText Translator::extended_instruction(const SpirvInstruction& instruction, const std::string& name,
-                                           const SpirvType& type, const Values& x) {
+TypedText Translator::translate_extended_instruction(const SpirvInstruction& instruction, const std::string& name,
+                                                     const SpirvType& type, const Values& x) {
     // The names with the number of their operands.
     static const std::map<std::string_view, std::size_t> formulas{
         {"InverseSqrt", 1}, {"FMin", 2},      {"FMax", 2},        {"FClamp", 3},  {"NClamp", 3}, {"FSign", 1},
@@ -250,7 +250,7 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
                                          {"Round", "roundeven"}, {"RoundEven", "roundeven"}};
 
     if (const std::string intrinsic_name = counterpart(intrinsics, name); !intrinsic_name.empty() && !x.empty())
-        return intrinsic(intrinsic_name, x);
+        return emit_intrinsic(intrinsic_name, x);
 
     // The message names the function as GLSL does: `sin` for Sin, `abs` for FAbs.
     const auto formula = formulas.find(name);
@@ -275,46 +275,49 @@ TypedText Translator::extended_instruction(const SpirvInstruction& instruction, 
     };
 
     // Floating-point numbers
-    if (name == "InverseSqrt") return binary("fdiv", constant(1), intrinsic("sqrt", x));
-    if (name == "Fract") return binary("fsub", x[0], intrinsic("floor", x));
+    if (name == "InverseSqrt") return emit_binary("fdiv", constant(1), emit_intrinsic("sqrt", x));
+    if (name == "Fract") return emit_binary("fsub", x[0], emit_intrinsic("floor", x));
     if (name == "FMin") return smaller(x[0], x[1]);
     if (name == "FMax") return larger(x[0], x[1]);
     if (name == "FClamp") return clamp(x[0], x[1], x[2]);
-    if (name == "NClamp") return intrinsic("minnum", {intrinsic("maxnum", {x[0], x[1]}), x[2]});
+    if (name == "NClamp") return emit_intrinsic("minnum", {emit_intrinsic("maxnum", {x[0], x[1]}), x[2]});
     if (name == "FSign") {
         const TypedText zero_or_negative_sign =
             select(compare("fcmp olt", x[0], constant(0)), constant(-1), constant(0));
         return select(compare("fcmp ogt", x[0], constant(0)), constant(1), zero_or_negative_sign);
     }
     if (name == "FMix")
-        return binary("fadd", binary("fmul", x[0], binary("fsub", constant(1), x[2])), binary("fmul", x[1], x[2]));
+        return emit_binary("fadd", emit_binary("fmul", x[0], emit_binary("fsub", constant(1), x[2])),
+                           emit_binary("fmul", x[1], x[2]));
     if (name == "Step") return select(compare("fcmp olt", x[1], x[0]), constant(0), constant(1));
     if (name == "SmoothStep") {
-        const TypedText t =
-            clamp(binary("fdiv", binary("fsub", x[2], x[0]), binary("fsub", x[1], x[0])), constant(0), constant(1));
-        return binary("fmul", binary("fmul", t, t), binary("fsub", constant(3), binary("fmul", constant(2), t)));
+        const TypedText t = clamp(emit_binary("fdiv", emit_binary("fsub", x[2], x[0]), emit_binary("fsub", x[1], x[0])),
+                                  constant(0), constant(1));
+        return emit_binary("fmul", emit_binary("fmul", t, t),
+                           emit_binary("fsub", constant(3), emit_binary("fmul", constant(2), t)));
     }
 
     // Integers
     const std::string type_letter(1, static_cast<char>(name[0] | 0x20));  // s or u
     if (name == "SAbs") {
         const TypedText zero{&type, "zeroinitializer", {}};
-        return choose("icmp sgt", x[0], binary("sub", zero, x[0]));
+        return choose("icmp sgt", x[0], emit_binary("sub", zero, x[0]));
     }
     if (name.ends_with("Min")) return choose("icmp " + type_letter + "lt", x[0], x[1]);
     if (name.ends_with("Max")) return choose("icmp " + type_letter + "gt", x[0], x[1]);
     if (name.ends_with("Clamp"))
         return choose("icmp " + type_letter + "lt", choose("icmp " + type_letter + "gt", x[0], x[1]), x[2]);
-    return geometric(name, x);
+    return translate_geometric(name, x);
 }
 
-TypedText Translator::geometric(const std::string& name, const Values& x) {
+TypedText Translator::translate_geometric(const std::string& name, const Values& x) {
     if (name == "Length") return length(x[0]);
-    if (name == "Distance") return length(binary("fsub", x[0], x[1]));
+    if (name == "Distance") return length(emit_binary("fsub", x[0], x[1]));
     if (name == "Normalize") {
         const TypedText x_length = length(x[0]);
         const bool is_vector = x[0].type->kind == Kind::vector;
-        return binary("fdiv", x[0], is_vector ? construct(*x[0].type, Values(x[0].type->count, x_length)) : x_length);
+        return emit_binary("fdiv", x[0],
+                           is_vector ? construct(*x[0].type, Values(x[0].type->count, x_length)) : x_length);
     }
 
     // N, I and Nref, or I and N, in the words of GLSL
@@ -322,17 +325,18 @@ TypedText Translator::geometric(const std::string& name, const Values& x) {
         return select(compare("fcmp olt", dot(x[2], x[1]), splat(0, x[0].lane())), x[0],
                       emit(*x[0].type, "fneg " + x[0].typed()));
     if (name == "Reflect") {
-        const TypedText twice_dot = binary("fmul", splat(2, x[0].lane()), dot(x[1], x[0]));
-        return binary("fsub", x[0],
-                      x[0].type->kind == Kind::vector ? scale(x[1], twice_dot) : binary("fmul", x[1], twice_dot));
+        const TypedText twice_dot = emit_binary("fmul", splat(2, x[0].lane()), dot(x[1], x[0]));
+        return emit_binary(
+            "fsub", x[0],
+            x[0].type->kind == Kind::vector ? scale(x[1], twice_dot) : emit_binary("fmul", x[1], twice_dot));
     }
 
     // Cross: x₁y₂ − y₁x₂, x₂y₀ − y₂x₀, x₀y₁ − y₀x₁
     Values lanes;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t a = (k + 1) % 3, b = (k + 2) % 3;
-        lanes.push_back(binary("fsub", binary("fmul", extract_part(x[0], a), extract_part(x[1], b)),
-                               binary("fmul", extract_part(x[1], a), extract_part(x[0], b))));
+        lanes.push_back(emit_binary("fsub", emit_binary("fmul", extract_part(x[0], a), extract_part(x[1], b)),
+                                    emit_binary("fmul", extract_part(x[1], a), extract_part(x[0], b))));
     }
     return construct(*x[0].type, lanes);
 }

@@ -42,7 +42,7 @@ bool Translator::is_written_first(std::size_t first, std::size_t end, const std:
 
 /// Adds the parameters of a function to its values, with the debug information of each parameter. Returns the list of
 /// the parameters.
-std::string Translator::parameters_of(std::size_t first, std::size_t end, const std::string& scope) {
+std::string Translator::translate_parameters(std::size_t first, std::size_t end, const std::string& scope) {
     const SpirvType& type = type_of(instructions_[first].at(2), instructions_[first]);
     if (type.kind != Kind::function || type.parts.empty()) instructions_[first].fail("a function has no type");
 
@@ -66,7 +66,7 @@ std::string Translator::parameters_of(std::size_t first, std::size_t end, const 
         type_list += ", " + type_metadata;
         const std::string name = name_of(instruction.result);
         add_metadata(
-            "!DILocalVariable(name: " + quoted_name(name.empty() ? "p" + std::to_string(parameter_count - 1) : name) +
+            "!DILocalVariable(name: " + quote_name(name.empty() ? "p" + std::to_string(parameter_count - 1) : name) +
             ", arg: " + std::to_string(parameter_count) + ", scope: " + scope + ", file: " + file_ +
             ", type: " + type_metadata + ")");
     }
@@ -89,11 +89,11 @@ void Translator::translate_function(std::size_t first, std::size_t end) {
     // The debug information of the function, whose index its parameters need before its text is known.
     scope_ = add_metadata("");
     const std::size_t subprogram_index = metadata_.size() - 1;
-    const std::string list = parameters_of(first, end, scope_);
+    const std::string list = translate_parameters(first, end, scope_);
     const std::string types = "!" + std::to_string(metadata_.size() - 1), name = name_of(function_instruction.result);
     const int line = lines_.file.empty() ? function_instruction.line : places_.last_visited().line;
     metadata_[subprogram_index] =
-        "distinct !DISubprogram(name: " + quoted_name(name.empty() ? function_instruction.result : name) +
+        "distinct !DISubprogram(name: " + quote_name(name.empty() ? function_instruction.result : name) +
         ", scope: " + file_ + ", file: " + file_ + ", line: " + std::to_string(std::max(line, 0)) + ", type: " + types +
         ", unit: " + unit_ + ", spFlags: DISPFlagDefinition)";
 
@@ -139,7 +139,7 @@ TypedText Translator::emit(const SpirvType& type, const std::string& text) {
 /// Emits a call of a function that does not exist. Its name contains the sentence about what cannot be followed, which
 /// becomes the message if the walk reaches the call.
 TypedText Translator::refuse(const SpirvType& type, const std::string& sentence) {
-    const std::string name = "@" + quoted_name(refusal_prefix + sentence) + "()";
+    const std::string name = "@" + quote_name(refusal_prefix + sentence) + "()";
     declarations_.insert("declare extern_weak void " + name);
     emit_line("call void " + name);
     return {&type, "undef", {}};
@@ -231,7 +231,7 @@ void Translator::translate_variable(const SpirvInstruction& instruction) {
     // glslang calls its own variables "param" and "indexable".
     if (!name.empty() && name != "param" && name != "indexable") {
         const std::string variable_metadata =
-            add_metadata("!DILocalVariable(name: " + quoted_name(name) + ", scope: " + scope_ + ", file: " + file_ +
+            add_metadata("!DILocalVariable(name: " + quote_name(name) + ", scope: " + scope_ + ", file: " + file_ +
                          ", type: " + metadata_of(*type.parts[0]) + ")");
         declarations_.insert("declare void @llvm.dbg.declare(metadata, metadata, metadata)");
         emit_line("call void @llvm.dbg.declare(metadata " + address.typed() + ", metadata " + variable_metadata +
@@ -242,7 +242,7 @@ void Translator::translate_variable(const SpirvInstruction& instruction) {
 }
 
 /// Returns the address of a part. A part of an address that cannot be read cannot be read either.
-TypedText Translator::element_address(const SpirvInstruction& instruction) {
+TypedText Translator::emit_element_address(const SpirvInstruction& instruction) {
     const TypedText base = value(instruction.at(1), instruction);
     const SpirvType& type = type_of(instruction.at(0), instruction);
     if (base.type->kind != Kind::pointer) instruction.fail("an address is missing");
@@ -268,7 +268,7 @@ TypedText Translator::translate_call(const SpirvInstruction& instruction) {
 
 bool Translator::translate_memory(const SpirvInstruction& instruction) {
     if (instruction.op == "OpVariable") translate_variable(instruction);
-    else if (is_access_chain(instruction)) values_[instruction.result] = element_address(instruction);
+    else if (is_access_chain(instruction)) values_[instruction.result] = emit_element_address(instruction);
     else if (instruction.op == "OpFunctionCall") values_[instruction.result] = translate_call(instruction);
     else if (instruction.op == "OpLoad") {
         const SpirvType& type = type_of(instruction.at(0), instruction);
@@ -325,7 +325,7 @@ TypedText Translator::construct(const SpirvType& type, const Values& parts) {
 }
 
 /// Returns the lanes that a shuffle takes. Indices count the lanes of the first vector, then those of the second.
-Translator::Values Translator::shuffled_lanes(const SpirvInstruction& instruction) {
+Translator::Values Translator::shuffle_lanes(const SpirvInstruction& instruction) {
     const TypedText a = value(instruction.at(1), instruction), b = value(instruction.at(2), instruction);
     Values lanes;
     for (std::size_t k = 3; k < instruction.operands.size(); ++k) {
@@ -376,7 +376,7 @@ bool Translator::translate_composite(const SpirvInstruction& instruction) {
         }
         values_[instruction.result] = insert_part(composite, path, 0, value(instruction.at(1), instruction));
     } else if (instruction.op == "OpVectorShuffle") {
-        values_[instruction.result] = construct(type(), shuffled_lanes(instruction));
+        values_[instruction.result] = construct(type(), shuffle_lanes(instruction));
     } else if (instruction.op == "OpVectorExtractDynamic") {
         values_[instruction.result] = emit(type(), "extractelement " + value(instruction.at(1), instruction).typed() +
                                                        ", " + value(instruction.at(2), instruction).typed());

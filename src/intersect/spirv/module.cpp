@@ -280,7 +280,7 @@ void Translator::declare_variable(const SpirvInstruction& instruction) {
     const auto constant = values_.find(initial);
     const bool is_known = instruction.at(1) == "Private" && writes.count == (instruction.operands.size() > 2 ? 0 : 1) &&
                           constant != values_.end() && constant->second.type->text == type.parts[0]->text;
-    const std::string global_name = "@" + quoted_name("v." + instruction.result), name = name_of(instruction.result);
+    const std::string global_name = "@" + quote_name("v." + instruction.result), name = name_of(instruction.result);
     values_[instruction.result] = {&type, global_name, {}};
     if (is_known) definitions_.push_back(global_name + " = internal constant " + constant->second.typed());
     else
@@ -307,7 +307,7 @@ std::string Translator::add_metadata(const std::string& text) {
     return "!" + std::to_string(metadata_.size() - 1);
 }
 
-std::string Translator::metadata_of_vector(const SpirvType& type) {
+std::string Translator::add_vector_metadata(const SpirvType& type) {
     std::string members;
     const SpirvType& lane = *type.parts[0];
     for (std::size_t k = 0; k < type.count; ++k) {
@@ -326,19 +326,19 @@ std::string Translator::metadata_of_vector(const SpirvType& type) {
                         ", elements: " + add_metadata("!{" + members + "}") + ")");
 }
 
-std::string Translator::metadata_of_structure(const SpirvType& type) {
+std::string Translator::add_structure_metadata(const SpirvType& type) {
     std::string members;
     std::size_t offset = 0;
     for (std::size_t k = 0; k < type.parts.size(); ++k) {
         const SpirvType& p = *type.parts[k];
         offset = (offset + p.align - 1) / p.align * p.align;
         members += (k == 0 ? "" : ", ") +
-                   add_metadata("!DIDerivedType(tag: DW_TAG_member, name: " + quoted_name(member_names_[{type.id, k}]) +
+                   add_metadata("!DIDerivedType(tag: DW_TAG_member, name: " + quote_name(member_names_[{type.id, k}]) +
                                 ", baseType: " + metadata_of(p) + ", size: " + std::to_string(8 * p.size) +
                                 ", offset: " + std::to_string(8 * offset) + ")");
         offset += p.size;
     }
-    return add_metadata("!DICompositeType(tag: DW_TAG_structure_type, name: " + quoted_name(name_of(type.id)) +
+    return add_metadata("!DICompositeType(tag: DW_TAG_structure_type, name: " + quote_name(name_of(type.id)) +
                         ", size: " + std::to_string(8 * type.size) +
                         ", elements: " + add_metadata("!{" + members + "}") + ")");
 }
@@ -349,8 +349,8 @@ std::string Translator::metadata_of(const SpirvType& type) {
     if (!known_metadata.empty()) return known_metadata;
     const std::string size = ", size: " + std::to_string(8 * type.size);
     std::string new_metadata;
-    if (type.kind == Kind::vector) new_metadata = metadata_of_vector(type);
-    else if (type.kind == Kind::structure) new_metadata = metadata_of_structure(type);
+    if (type.kind == Kind::vector) new_metadata = add_vector_metadata(type);
+    else if (type.kind == Kind::structure) new_metadata = add_structure_metadata(type);
     else if (type.kind == Kind::matrix || type.kind == Kind::array)
         new_metadata = add_metadata(
             "!DICompositeType(tag: DW_TAG_array_type, baseType: " + metadata_of(*type.parts[0]) + size +
@@ -388,7 +388,7 @@ std::string Translator::debug_suffix(const SpirvInstruction& instruction) {
 
 std::string Translator::translate_module() {
     collect_names();
-    file_ = add_metadata("!DIFile(filename: " + quoted_name(lines_.file.empty() ? path_ : lines_.file) +
+    file_ = add_metadata("!DIFile(filename: " + quote_name(lines_.file.empty() ? path_ : lines_.file) +
                          ", directory: \"\")");
     unit_ = add_metadata("distinct !DICompileUnit(language: DW_LANG_C99, file: " + file_ +
                          ", producer: \"spirv\", isOptimized: false, runtimeVersion: 0, emissionKind: FullDebug)");

@@ -57,13 +57,13 @@ std::string main_function_of(device::Language language) {
 
 }  // namespace
 
-std::string program_with_user_lines(const std::string& text, device::Language language) {
+std::string write_program_with_user_lines(const std::string& text, device::Language language) {
     if (language == device::Language::hlsl) return text + main_function_of(language);
     const auto [head, body] = shader::embeddable_text(text);
     return head + "#line 1\n" + body + main_function_of(language);
 }
 
-std::string program_with_token_lines(const std::string& text, device::Language language, ShaderLines& lines) {
+std::string write_program_with_token_lines(const std::string& text, device::Language language, ShaderLines& lines) {
     const bool is_hlsl = language == device::Language::hlsl;
     const auto [head, body] = is_hlsl ? std::pair(std::string(), text) : shader::embeddable_text(text);
     std::string program = head;

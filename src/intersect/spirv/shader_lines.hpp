@@ -25,10 +25,10 @@ struct ShaderLines {
 /// Returns a program with one token per line around the functions of a file, and sets `lines`. Columns and lines stay
 /// those of the file. The program has a main function, which calls the named function if the file is HLSL: glslang
 /// leaves other functions out.
-std::string program_with_token_lines(const std::string& text, device::Language language, ShaderLines& lines);
+std::string write_program_with_token_lines(const std::string& text, device::Language language, ShaderLines& lines);
 
 /// The same program with the lines of the file, for the messages of the compiler.
-std::string program_with_user_lines(const std::string& text, device::Language language);
+std::string write_program_with_user_lines(const std::string& text, device::Language language);
 
 /// Finds the place of an operation. glslang names the line of an operator, such as the `-` of `a - b`, before the lines
 /// of its operands, but writes the operator's instruction after theirs. So operators and instructions match like

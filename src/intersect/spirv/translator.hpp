@@ -53,7 +53,7 @@ struct TypedText {
 };
 
 /// A name in quotation marks, without the characters that would end the name.
-inline std::string quoted_name(const std::string& text) {
+inline std::string quote_name(const std::string& text) {
     std::string quoted = "\"";
     for (const char c : text)
         if (c != '"' && c != '\\' && static_cast<unsigned char>(c) >= ' ') quoted += c;
@@ -92,13 +92,13 @@ private:
     // Debug information
     std::string add_metadata(const std::string& text);
     std::string metadata_of(const SpirvType& type);
-    std::string metadata_of_vector(const SpirvType& type);
-    std::string metadata_of_structure(const SpirvType& type);
+    std::string add_vector_metadata(const SpirvType& type);
+    std::string add_structure_metadata(const SpirvType& type);
     std::string debug_suffix(const SpirvInstruction& instruction);
 
     // Functions
     void translate_function(std::size_t first, std::size_t end);
-    std::string parameters_of(std::size_t first, std::size_t end, const std::string& scope);
+    std::string translate_parameters(std::size_t first, std::size_t end, const std::string& scope);
     [[nodiscard]] bool is_debug_info(const SpirvInstruction& instruction) const;
     [[nodiscard]] bool is_written_first(std::size_t first, std::size_t end, const std::string& id) const;
     void resolve_phis();
@@ -106,15 +106,15 @@ private:
     bool refuse_unreadable_operand(const SpirvInstruction& instruction);
     bool translate_control(const SpirvInstruction& instruction);
     bool translate_memory(const SpirvInstruction& instruction);
-    Values shuffled_lanes(const SpirvInstruction& instruction);
+    Values shuffle_lanes(const SpirvInstruction& instruction);
     bool translate_composite(const SpirvInstruction& instruction);
     bool translate_arithmetic(const SpirvInstruction& instruction);
     bool translate_matrix(const SpirvInstruction& instruction);
-    TypedText extended_instruction(const SpirvInstruction& instruction, const std::string& name, const SpirvType& type,
-                                   const Values& x);
-    TypedText geometric(const std::string& name, const Values& x);
+    TypedText translate_extended_instruction(const SpirvInstruction& instruction, const std::string& name,
+                                             const SpirvType& type, const Values& x);
+    TypedText translate_geometric(const std::string& name, const Values& x);
     void translate_variable(const SpirvInstruction& instruction);
-    TypedText element_address(const SpirvInstruction& instruction);
+    TypedText emit_element_address(const SpirvInstruction& instruction);
     TypedText translate_call(const SpirvInstruction& instruction);
 
     // Values
@@ -122,8 +122,8 @@ private:
     TypedText emit(const SpirvType& type, const std::string& text);
     void emit_line(const std::string& text);
     TypedText refuse(const SpirvType& type, const std::string& sentence);
-    TypedText binary(const std::string& op, const TypedText& a, const TypedText& b);
-    TypedText intrinsic(const std::string& name, const Values& x);
+    TypedText emit_binary(const std::string& op, const TypedText& a, const TypedText& b);
+    TypedText emit_intrinsic(const std::string& name, const Values& x);
     TypedText compare(const std::string& op, const TypedText& a, const TypedText& b);
     TypedText select(const TypedText& when, const TypedText& a, const TypedText& b);
     TypedText extract_part(const TypedText& whole, std::size_t k);

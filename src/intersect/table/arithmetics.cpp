@@ -51,7 +51,7 @@ std::vector<std::string> input_names(const Intersector& form, const Target<doubl
             names.push_back(prefix);
             names.back().append(name);
         }
-        for (std::size_t k = 0; target.primitives[s].transform && k < Affine<double>::numbers; ++k)
+        for (std::size_t k = 0; target.primitives[s].transform && k < Affine<double>::number_count; ++k)
             names.push_back(prefix + "M" + std::to_string(k / 4) + std::to_string(k % 4));
     }
     if (!is_primitive(form.shape)) names.insert(names.end(), march_number_names.begin(), march_number_names.end());

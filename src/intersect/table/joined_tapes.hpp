@@ -11,12 +11,12 @@ namespace lostbits::intersect::table {
 /// The nodes `inputs` of `target` replace the form's first inputs; any further inputs of the form become inputs of
 /// `target`.
 inline TapeOutputs append_tape(const Tape& form, const std::vector<NodeId>& inputs, Tape& target) {
-    std::vector<NodeId> new_index(form.nodes.size());
-    const auto renumber = [&new_index](NodeId node) { return node == no_node ? no_node : new_index[node]; };
+    std::vector<NodeId> new_nodes(form.nodes.size());
+    const auto renumber = [&new_nodes](NodeId node) { return node == no_node ? no_node : new_nodes[node]; };
 
     for (NodeId i = 0; i < form.size(); ++i) {
         const TapeNode& n = form[i];
-        NodeId& new_node = new_index[i];
+        NodeId& new_node = new_nodes[i];
         if (n.op == TapeOp::input) {
             const auto k = static_cast<std::size_t>(n.operands[0]);
             new_node = k < inputs.size() ? inputs[k] : target.add_input(form.format_of(i), n.value);

@@ -305,7 +305,7 @@ bool takes_decision(TapeOp op, std::size_t k) {
 void require_valid_operands(const WrittenFormula& formula, std::size_t i) {
     const WrittenOperation& w = formula.operations[i];
     bool first_is_wide = false;
-    for (std::size_t k = 0; !is_given(w.op) && k < row_of(w.op).operands; ++k) {
+    for (std::size_t k = 0; !is_given(w.op) && k < row_of(w.op).operand_count; ++k) {
         const std::int32_t a = w.operands[k];
         if (a < 0 || static_cast<std::size_t>(a) >= i)
             fail_operation(formula, i, "takes operation " + std::to_string(a) + ", which does not come before it");
@@ -410,7 +410,7 @@ void WrittenForm::fill(Intersector& form) {
     form.bounded = {answer_bounded, this};
 }
 
-std::vector<NodeId> WrittenForm::nodes_on_tape(const Format& format) const {
+std::vector<NodeId> WrittenForm::find_nodes_on_tape(const Format& format) const {
     const WrittenFormula& formula = formula_in(format);
     std::vector<NodeId> nodes;
     Tape tape;

@@ -66,7 +66,7 @@ public:
     [[nodiscard]] Intersector make_intersector(const Info& info);
     [[nodiscard]] const WrittenFormula& formula_in(const Format& format) const;
     /// Returns the index of each operation's node on a tape of this format.
-    [[nodiscard]] std::vector<NodeId> nodes_on_tape(const Format& format) const;
+    [[nodiscard]] std::vector<NodeId> find_nodes_on_tape(const Format& format) const;
 
 private:
     std::optional<Intersector> recorded_form_ = {};

@@ -12,7 +12,7 @@ MatrixPair<P> maps_from(const F* numbers) {
     const auto read_matrix = [numbers](std::size_t first) {
         return Affine<P>::of([numbers, first](std::size_t k) { return P(numbers[first + k]); });
     };
-    return {read_matrix(0), read_matrix(Affine<P>::numbers)};
+    return {read_matrix(0), read_matrix(Affine<P>::number_count)};
 }
 
 template <class P, class Columns>

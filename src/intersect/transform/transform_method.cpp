@@ -62,9 +62,9 @@ constexpr std::size_t method_count = [] {
 /// The methods compiled for a register width, and that width in bytes.
 struct PackedMethods {
     std::array<RawTransformKernels, method_count> rows{};
-    std::size_t bytes = 0;
+    std::size_t register_bytes = 0;
 
-    PackedMethods(void (*fill)(RawTransformKernels*), std::size_t size) : bytes(size) { fill(rows.data()); }
+    PackedMethods(void (*fill)(RawTransformKernels*), std::size_t size) : register_bytes(size) { fill(rows.data()); }
 };
 /// The methods for an available width; null for `scalar`.
 const PackedMethods* packed_methods(simd::Isa isa) {
@@ -83,11 +83,12 @@ std::size_t run_in_packs(const MatrixPair<T>& maps, const RayBatch<S>& rays, con
     if constexpr (std::same_as<T, S>) {
         const PackedMethods* const packed = packed_methods(simd::current_isa());
         if (packed == nullptr) return 0;
-        const std::size_t lanes = packed->bytes / sizeof(S), packed_count = rays.size() / lanes * lanes;
+        const std::size_t lane_count = packed->register_bytes / sizeof(S),
+                          packed_count = rays.size() / lane_count * lane_count;
         if (packed_count == 0) return 0;
 
         // Passes plain pointers, since the functions are compiled for each register width.
-        std::array<S, 2 * Affine<S>::numbers> numbers;
+        std::array<S, 2 * Affine<S>::number_count> numbers;
         std::size_t k = 0;
         for (const Affine<T>* const map : {&maps.to_world, &maps.to_object})
             map->for_each_number([&](const S& x) { numbers[k++] = x; });

@@ -49,7 +49,7 @@ struct BatchFunctions {
 /// that follows it.
 struct WorldNodes {
     std::array<NodeId, 6> ray;
-    std::array<NodeId, Affine<double>::numbers> matrix;
+    std::array<NodeId, Affine<double>::number_count> matrix;
     bool is_inverse = false;
 };
 struct ObjectNodes {

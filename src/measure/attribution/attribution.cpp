@@ -173,7 +173,7 @@ private:
                 case OperationKind::rounded:
                 case OperationKind::sign: {
                     std::array<double, 3> x{};
-                    for (std::size_t k = 0; k < row_of(n.op).operands; ++k)
+                    for (std::size_t k = 0; k < row_of(n.op).operand_count; ++k)
                         x[k] = Exact::round_to(exact(n.operands[k]), tape_.format_of(n.operands[k]));
                     return bits_lost_by(i, result_of(n.op, x, tape_.format_of(i)));
                 }
@@ -221,7 +221,7 @@ private:
         // Factors of the finite differences and, for a full attribution, of the derivatives at the computed values.
         std::array<OperandError, 3> differences{}, points{};
 
-        for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
+        for (std::size_t k = 0; k < row_of(n.op).operand_count; ++k) {
             if (is_decision(tape_[n.operands[k]].op)) continue;
             const double x = computed(n.operands[k]);
             differences[k] = {error_of(n.operands[k]).exact, x};
@@ -231,7 +231,7 @@ private:
         const ErrorFactors difference = error_factors_of(n, differences, computed_side);
         const ErrorFactors derivative = depth_.full ? error_factors_of(n, points, computed_side) : ErrorFactors{};
 
-        for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
+        for (std::size_t k = 0; k < row_of(n.op).operand_count; ++k) {
             if (!difference[k]) continue;
             OperationError& operand = error_of(n.operands[k]);
             operand.is_live = true;

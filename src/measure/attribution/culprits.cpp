@@ -124,7 +124,7 @@ std::vector<std::string_view> labels_of(const Intersector& form, const Setting& 
 
 std::vector<std::string> names_of_inputs(const Intersector& form, const Target<double>& target,
                                          const scene::rays::RecordedRay* recorded_ray) {
-    std::vector<std::string> names = intersect::bounding_box::names_on_tape(form, target);
+    std::vector<std::string> names = intersect::bounding_box::find_names_on_tape(form, target);
     if (recorded_ray == nullptr) return names;
     names.erase(names.begin(), names.begin() + 6);
     names.insert(names.begin(), recorded_ray->names.begin(), recorded_ray->names.end());

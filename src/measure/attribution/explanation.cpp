@@ -381,7 +381,7 @@ void explain_template(Explanation& explanation, const OneRay& ray, const OneRay:
 void explain_external(Explanation& explanation, const OneRay& ray, const OneRay::Inputs& in,
                       const intersect::Target<double>& target, const answer::Answers& answers) {
     const Intersector& form = *explanation.form;
-    explanation.input_names = intersect::bounding_box::names_on_tape(form, target);
+    explanation.input_names = intersect::bounding_box::find_names_on_tape(form, target);
     explanation.input_values = tape::inputs_of(
         in.ray(*form.info), in.format_inputs.primitives[explanation.primitive_index], explanation.range.tmax);
     if (!explanation.range.is_whole()) {

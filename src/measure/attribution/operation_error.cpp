@@ -72,7 +72,7 @@ double rounding_of(const Tape& tape, NodeId i) {
     // Only finite operands and results have a rounding error.
     if (std::isnan(n.value)) return 0;
     std::array<double, 3> x{};
-    for (std::size_t k = 0; k < row_of(n.op).operands; ++k) {
+    for (std::size_t k = 0; k < row_of(n.op).operand_count; ++k) {
         x[k] = tape[n.operands[k]].value;
         if (!std::isfinite(x[k])) return 0;
     }

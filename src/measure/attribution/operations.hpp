@@ -30,7 +30,7 @@ decltype(auto) visit_operation(TapeOp op, const F& f) {
 template <TapeOp op, class F, class Operand>
 decltype(auto) with_operands(const F& f, const Operand& operand) {
     return [&]<std::size_t... k>(std::index_sequence<k...>)->decltype(auto) { return f(operand(k)...); }
-    (std::make_index_sequence<row_of(op).operands>());
+    (std::make_index_sequence<row_of(op).operand_count>());
 }
 
 /// Result of an operation on operand(0), … without rounding. Only for kinds that are given, rounded or exact.

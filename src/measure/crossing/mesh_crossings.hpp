@@ -65,11 +65,11 @@ struct PointInMesh {
 /// the ray meets no rim and lies in no plane of a triangle that it may meet.
 ///
 /// The number does not depend on the direction if at every edge of the mesh as many faces run one way as the other
-/// (`MeshEdges::unbalanced` = 0): the faces are then a closed 2-chain, the boundary of a 3-chain whose multiplicity at
-/// the point is the sum of the signs of the crossings with any ray that misses the edges. It is 1 inside a closed mesh
-/// whose corners run counter-clockwise seen from outside, and −1 if they run clockwise. If every edge has an even
-/// number of faces (`MeshEdges::odd` = 0), the same holds modulo 2 for the number of crossings, however the faces are
-/// turned.
+/// (`MeshCounts::unbalanced_edges` = 0): the faces are then a closed 2-chain, the boundary of a 3-chain whose
+/// multiplicity at the point is the sum of the signs of the crossings with any ray that misses the edges. It is 1
+/// inside a closed mesh whose corners run counter-clockwise seen from outside, and −1 if they run clockwise. If every
+/// edge has an even number of faces (`MeshCounts::odd_edges` = 0), the same holds modulo 2 for the number of crossings,
+/// however the faces are turned.
 PointInMesh locate_in_mesh(const Vec<double>& point, const Triangles& triangles, truth::ProofLimit limit = {});
 
 }  // namespace lostbits::measure::crossing

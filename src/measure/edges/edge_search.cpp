@@ -53,7 +53,7 @@ bool is_tie(const evaluate::BandResult& result, std::size_t i) {
 /// The searched mesh: its columns, which are the same for every form, and the edges that two faces share.
 struct SearchedMesh {
     explicit SearchedMesh(const scene::file::Scene& scene)
-        : columns(scene::rays::make_shared_mesh(scene)), edges(shared_edges(columns->mesh())) {}
+        : columns(scene::rays::make_shared_mesh(scene)), edges(find_shared_edges(columns->mesh())) {}
 
     [[nodiscard]] Vec<double> corner(std::uint32_t face, std::size_t k) const {
         const auto& numbers = (*columns)[face].numbers;

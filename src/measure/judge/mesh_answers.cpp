@@ -135,7 +135,7 @@ private:
     }
     void judge_point(JudgedAnswer& answer, const crossing::Triangles& triangles) const {
         const crossing::PointInMesh position = locate_in_mesh(answer.ray.origin, triangles, request_.limit);
-        const bool is_balanced = request_.mesh->mesh().edges.unbalanced == 0;
+        const bool is_balanced = request_.mesh->mesh().counts.unbalanced_edges == 0;
         const bool is_inside = is_balanced ? position.winding != 0 : position.crossings % 2 != 0;
         answer.winding = position.winding;
         answer.judgement.outcome = !position.is_resolved                     ? MeshOutcome::unresolved
@@ -197,9 +197,9 @@ std::uint64_t MeshAnswersResult::faults() const {
 }
 
 void require_inside(const scene::triangle::Mesh& mesh, const std::string& file) {
-    if (mesh.edges.odd == 0) return;
+    if (mesh.counts.odd_edges == 0) return;
     throw InputError(file + ": has a column inside, but the mesh is not closed: " +
-                     text::count_with_noun(mesh.edges.odd, "edge has", "edges have") +
+                     text::count_with_noun(mesh.counts.odd_edges, "edge has", "edges have") +
                      " an odd number of faces, so no point is inside or outside; close the mesh, or judge crossings of "
                      "rays");
 }

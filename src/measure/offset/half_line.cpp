@@ -59,7 +59,7 @@ std::optional<Meeting> try_meeting(const S& s) {
 template <class E, SurfaceSpan<E> S>
 std::optional<Meeting> try_meeting(const S& s) {
     Tri on_surface = Tri::no, meets = Tri::no;
-    for (int i = 0; i < S::crossings; ++i) {
+    for (int i = 0; i < S::crossing_count; ++i) {
         const auto crossing = s.crossing(i);
         const auto order = s.compare_crossing(i, {E(0), E(1)});
         on_surface = on_surface || (crossing.closed && order.at_most && !order.less);
@@ -77,7 +77,7 @@ std::optional<bool> is_inside_between(const QuarticSpan<E>& span, const E* end) 
     if constexpr (std::same_as<E, number::wide::RunningError<double>>) {
         return std::nullopt;
     } else {
-        const auto roots = enclosed_roots(span.f, span.bound);
+        const auto roots = enclose_roots(span.f, span.bound);
         if (!roots) return std::nullopt;
         for (int i = 0, entry = -1; i < roots->count; ++i) {
             if (!(*roots)[i].changes_sign) continue;
@@ -160,7 +160,7 @@ std::optional<bool> segment_meets(const S& s) {
 template <class E, SurfaceSpan<E> S>
 std::optional<bool> segment_meets(const S& s) {
     Tri hit = Tri::no;
-    for (int i = 0; i < S::crossings; ++i)
+    for (int i = 0; i < S::crossing_count; ++i)
         hit = hit || (s.crossing(i).open && !s.compare_crossing(i, {E(0), E(1)}).at_most &&
                       s.compare_crossing(i, {E(1), E(1)}).less);
     return hit.is_unknown() ? std::nullopt : std::optional(hit.is_yes());

@@ -48,7 +48,7 @@ template <class Form, template <class> class S, class T, class F>
     };
 
     // The numbers of the primitive and its matrix are the same for all rays.
-    std::array<T, Affine<T>::numbers> matrix;
+    std::array<T, Affine<T>::number_count> matrix;
     for (std::size_t k = 0; k < matrix.size(); ++k) matrix[k] = T(local.matrix[k]);
     const S<T> primitive = primitive_from<S, T>([&local](std::size_t k) { return T(local.primitive[k]); });
 

@@ -95,7 +95,7 @@ private:
         for (const bool is_swapped : {false, true}) {
             if (is_swapped && !commutes) break;
             bool all_match = true;
-            for (std::size_t k = 0; all_match && k < row_of(a.op).operands; ++k)
+            for (std::size_t k = 0; all_match && k < row_of(a.op).operand_count; ++k)
                 all_match = match(a.operands[k], b.operands[is_swapped ? 1 - k : k]);
             if (all_match) return true;
             replacements_ = saved_replacements;

@@ -112,7 +112,7 @@ private:
 
     /// Finds where the text computes each node of the tape, and from which offset on a variable holds a node.
     void locate_nodes() {
-        const std::vector<NodeId> tape_nodes = function_.written->nodes_on_tape(request_.tested_form.format);
+        const std::vector<NodeId> tape_nodes = function_.written->find_nodes_on_tape(request_.tested_form.format);
         locate_expressions(tape_nodes);
         locate_variables(tape_nodes);
     }

@@ -44,7 +44,7 @@ public:
                 values.push_back(constant(n.operands[0], format));
             } else {
                 std::array<int, 3> operands{-1, -1, -1};
-                for (std::size_t k = 0; k < row_of(n.op).operands; ++k) operands[k] = values[n.operands[k]];
+                for (std::size_t k = 0; k < row_of(n.op).operand_count; ++k) operands[k] = values[n.operands[k]];
                 values.push_back(folded_value_of(n.op, format, operands));
             }
         }

@@ -62,7 +62,7 @@ double value_of(const Tape& tape, NodeId i) {
         return exact ? DeepExact::round_to(*exact, tape.format_of(i)) : n.value;
     }
     std::array<double, 3> x{};
-    for (std::size_t k = 0; k < row_of(n.op).operands; ++k) x[k] = values.of(k);
+    for (std::size_t k = 0; k < row_of(n.op).operand_count; ++k) x[k] = values.of(k);
     return result_of(n.op, x, tape.format_of(i));
 }
 

@@ -93,11 +93,11 @@ TieFinding<P> settle_tie(const std::array<P, 6>& ray, const std::array<P, count>
     if (!any_of(hit)) return tie;
 
     // Lengths of the hits; lanes that miss divide by 1.
-    const BoundedWords n = span.at.n.running(), m = select(hit, span.at.m.running(), BoundedWords(1));
+    const BoundedWords n = span.at.n.running_error(), m = select(hit, span.at.m.running_error(), BoundedWords(1));
     const ExactLength<P> t(n / m, n, m);
     if (requested.t) tie.found.t = accept_length(t.length, at_origin, at_origin || t.is_exact, hit);
     if (requested.distance) {
-        const ExactLength<P> distance = t.times_root(span.d2.running());
+        const ExactLength<P> distance = t.times_root(span.d2.running_error());
         tie.found.distance = accept_length(distance.length, at_origin, at_origin || distance.is_exact, hit);
     }
 

@@ -272,7 +272,7 @@ FormOperation find_operation_before_contraction(const Intersector& contracted, c
     Contraction contraction(tape);
     const auto list = std::make_shared<const WrittenFormula>(
         intersect::table::formula_from_tape(contraction.contract(), form.shape, std::string(contracted.info->name)));
-    const std::vector<NodeId> nodes = WrittenForm(list, nullptr).nodes_on_tape(format);
+    const std::vector<NodeId> nodes = WrittenForm(list, nullptr).find_nodes_on_tape(format);
     const auto found = std::ranges::find(nodes, node);
     const bool is_found = node != no_node && found != nodes.end();
     return {&form, tape_format, is_found ? contraction.source_of(static_cast<NodeId>(found - nodes.begin())) : no_node};

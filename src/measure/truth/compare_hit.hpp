@@ -193,7 +193,7 @@ public:
         : span_(span), range_(range), convention_(convention), begin_(range ? span.x_at(range->begin) : span.b) {}
 
     [[nodiscard]] RootHit<F> find() {
-        auto roots = enclosed_roots(span_.f, span_.bound);
+        auto roots = enclose_roots(span_.f, span_.bound);
         if (!roots) return {Tri::unknown};
         result_.roots = *std::move(roots);
         const auto sign_at_begin = known_sign(span_.f.at(begin_));

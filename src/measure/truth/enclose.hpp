@@ -239,7 +239,7 @@ EnclosedHit<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convent
     const E zero(0);
     const Fraction<E> begin{begin_of(range), E(1)};
     EnclosedHit<E> miss{Tri::no};
-    for (int i = 0; i < S::crossings; ++i) {
+    for (int i = 0; i < S::crossing_count; ++i) {
         const auto crossing = s.crossing(i);
         const auto to_begin = s.compare_crossing(i, begin);
         const Tri in_range = range ? is_before_range_end(s.compare_crossing(i, range->end), *range) : Tri::yes;
@@ -249,7 +249,7 @@ EnclosedHit<E> enclose(const S& s, const SpanRange<E>* range, intersect::Convent
         if (ahead.is_unknown() || at_begin.is_unknown() || Tri(crossing.open).is_unknown()) return {Tri::unknown};
 
         // The convention may ignore a touch, or a crossing at the start.
-        const bool touching = Tri(crossing.open).is_no(), is_exit = i + 1 == S::crossings;
+        const bool touching = Tri(crossing.open).is_no(), is_exit = i + 1 == S::crossing_count;
         const bool is_ignored_start = at_begin.is_yes() && (convention.at_origin == AtOrigin::miss ||
                                                             (convention.at_origin == AtOrigin::exit && !is_exit));
         if (is_ignored_start || (touching && convention.touching == Touching::miss)) {

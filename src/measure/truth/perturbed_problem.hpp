@@ -74,7 +74,7 @@ public:
     ProblemNumbers(const Ray<S>& ray, const Primitive<S>& primitive, const FloatFormat& format,
                    Perturbation perturbation, Length length)
         : matrix_begin_(primitive_begin + row_of(primitive.shape).number_count),
-          count_(matrix_begin_ + (primitive.transform ? Affine<S>::numbers : 0)),
+          count_(matrix_begin_ + (primitive.transform ? Affine<S>::number_count : 0)),
           shape_(primitive.shape),
           is_normwise_(perturbation == Perturbation::normwise),
           is_distance_(length == Length::distance) {

@@ -66,7 +66,7 @@ public:
     Multiple(const P& x, const UnitAndSize<P>& grid) : w_(x), unit_(grid.unit), size_(grid.size) {}
 
     /// The number, with bound 0 if it is known and infinity otherwise.
-    [[nodiscard]] RunningError<TwoWords<P>> running() const {
+    [[nodiscard]] RunningError<TwoWords<P>> running_error() const {
         using lostbits::select;
         return {w_, select(is_known(), P(0), P(HUGE_VAL))};
     }

@@ -140,10 +140,10 @@ std::string comparison_text(const Explanation& explanation, const OperationView&
 std::string source_line(const Explanation& explanation, NodeId node) {
     if (node == no_node) return "";
     if (!measure::tape::is_contracted(*explanation.form))
-        return intersect::function::quoted_line(*explanation.form->info, explanation.format, node);
+        return intersect::function::quote_line(*explanation.form->info, explanation.format, node);
     const measure::tape::FormOperation before =
         measure::tape::find_operation_before_contraction(*explanation.form, explanation.format, node);
-    return intersect::function::quoted_line(*before.form->info, before.format, before.node);
+    return intersect::function::quote_line(*before.form->info, before.format, before.node);
 }
 
 /// The operation where a value that is not finite begins: a NaN from operands that are not NaN, or an infinity from

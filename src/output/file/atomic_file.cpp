@@ -26,7 +26,7 @@
 namespace lostbits::output::file {
 namespace {
 
-constexpr std::size_t buffer_bytes = std::size_t{256} * 1024;
+constexpr std::size_t max_buffer_bytes = std::size_t{256} * 1024;
 
 const char* remedy(int error_number) {
     switch (error_number) {
@@ -213,13 +213,13 @@ void AtomicFile::flush() {
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
     if (fd_ < 0) throw std::logic_error(path_.string() + ": write after commit or failure");
-    if (!buffer_) buffer_ = std::make_unique_for_overwrite<std::byte[]>(buffer_bytes);
+    if (!buffer_) buffer_ = std::make_unique_for_overwrite<std::byte[]>(max_buffer_bytes);
     while (!bytes.empty()) {
-        const std::size_t n = std::min(bytes.size(), buffer_bytes - buffered_bytes_);
+        const std::size_t n = std::min(bytes.size(), max_buffer_bytes - buffered_bytes_);
         std::memcpy(buffer_.get() + buffered_bytes_, bytes.data(), n);
         buffered_bytes_ += n;
         bytes = bytes.subspan(n);
-        if (buffered_bytes_ == buffer_bytes) flush();
+        if (buffered_bytes_ == max_buffer_bytes) flush();
     }
 }
 

@@ -288,7 +288,7 @@ std::vector<Primitive<Real>> Scene::primitives() const {
 
 std::vector<std::string> Scene::remarks() const {
     if (!mesh) return {};
-    return triangle::mesh_remarks(*mesh, inputs == InputRounding::shared ? std::optional(binary32) : std::nullopt);
+    return triangle::find_mesh_remarks(*mesh, inputs == InputRounding::shared ? std::optional(binary32) : std::nullopt);
 }
 
 std::vector<Shape> Scene::shapes() const {

@@ -119,7 +119,7 @@ private:
 MapSteps read_steps(TableReader& table) {
     MapSteps steps;
     if (table.has("matrix")) {
-        const std::vector<Real> elements = table.numbers("matrix", Map::numbers);
+        const std::vector<Real> elements = table.numbers("matrix", Map::number_count);
         steps.add(table, "matrix", Map::of([&elements](std::size_t k) { return elements[k]; }));
     }
     if (table.has("steps"))
@@ -148,7 +148,7 @@ Map inverse(const Map& m) {
 }
 
 Transform<Real> to_transform(const Map& map, bool is_inverse) {
-    std::array<Real, Map::numbers> numbers;
+    std::array<Real, Map::number_count> numbers;
     std::size_t k = 0;
     map.for_each_number([&](const Real& x) { numbers[k++] = x; });
     return transform_of(numbers, is_inverse);

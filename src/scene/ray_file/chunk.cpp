@@ -270,7 +270,7 @@ Primitive<double> ChunkWriter::primitive() const {
     for (std::size_t k = 0; !settings_.transformed_primitive && k < primitive.shape_numbers().size(); ++k)
         primitive.numbers[k] = numbers_[slot::primitive + k];
     if (!layout_.has_matrix()) return primitive;
-    std::array<double, Affine<double>::numbers> matrix;
+    std::array<double, Affine<double>::number_count> matrix;
     std::copy_n(numbers_ + slot::matrix, matrix.size(), matrix.begin());
     primitive.transform = transform_of(matrix);
     return primitive;

@@ -19,11 +19,11 @@ namespace slot {
 inline constexpr std::size_t origin = 0, direction = 3, tmax = 6, tmin = 7, primitive = 8;
 inline constexpr std::size_t t = primitive + max_number_count, hit = t + 1, object = t + 2;
 inline constexpr std::size_t hit_index = t + 3, crossings = t + 4, parity = t + 5, inside = t + 6, matrix = t + 7;
-inline constexpr std::size_t count = matrix + Affine<double>::numbers;
+inline constexpr std::size_t count = matrix + Affine<double>::number_count;
 }  // namespace slot
 
 /// The names of the columns of a matrix, row by row.
-inline constexpr std::array<std::string_view, Affine<double>::numbers> matrix_columns{
+inline constexpr std::array<std::string_view, Affine<double>::number_count> matrix_columns{
     "m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23"};
 
 /// Subject of the answers of a file.

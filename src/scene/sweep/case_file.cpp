@@ -124,7 +124,7 @@ CaseFile::PrimitiveSpec CaseFile::read_primitive_spec(TableReader& table, const 
     for (const auto& [key, is_inverse] : {std::pair("matrix", false), std::pair("inverse_matrix", true)}) {
         if (!table.has(key)) continue;
         if (!spec.matrix.empty()) table.fail_at(key, "is given together with matrix; write one of the two");
-        spec.matrix = read_quantities(table, key, Affine<double>::numbers, false);
+        spec.matrix = read_quantities(table, key, Affine<double>::number_count, false);
         spec.is_inverse = is_inverse;
         if (!spec.primitive_in(binary64, 0).transform->is_proper()) table.fail_at(key, std::string(singular_reason));
     }
@@ -231,7 +231,7 @@ Primitive<double> CaseFile::PrimitiveSpec::primitive_in(const FloatFormat& forma
     for (std::size_t k = 0; k < numbers.size(); ++k)
         primitive.numbers[k] = numbers[k].value_in(format, length_exponent);
     if (matrix.empty()) return primitive;
-    std::array<double, Affine<double>::numbers> in_format;
+    std::array<double, Affine<double>::number_count> in_format;
     // The last column of the matrix is a translation, whose numbers are lengths.
     for (std::size_t k = 0; k < matrix.size(); ++k)
         in_format[k] = matrix[k].value_in(format, k % 4 == 3 ? length_exponent : 0);

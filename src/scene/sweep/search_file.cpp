@@ -147,7 +147,7 @@ EdgeSearchFile::EdgeSearchFile(const std::filesystem::path& path, const std::fil
     static_cast<SweepHead&>(*this) = read_sweep_head(file, path);
     TableReader table = file.table("edge_search");
     scene = read_mesh_scene(table, data_dir, stop);
-    if (triangle::shared_edges(*scene.mesh).empty())
+    if (triangle::find_shared_edges(*scene.mesh).empty())
         table.fail_at("scene", "has a mesh in which no two triangles share an edge; name another scene");
     if (table.has("distance")) distance = read_range(table, "distance");
     if (!(distance.low > 0 && distance.high <= 0x1p60))

@@ -83,7 +83,7 @@ TEST_CASE("the tape of a row behind a box answers as its kernel, and its inputs 
             if (answer) REQUIRE(tape[tape.outputs.t].value == *answer);
             hits += answer.has_value();
             culled += !answer;
-            const auto names = intersect::bounding_box::names_on_tape(row, intersect::Target<double>(primitive));
+            const auto names = intersect::bounding_box::find_names_on_tape(row, intersect::Target<double>(primitive));
             const auto inputs = std::ranges::count(tape.nodes, TapeOp::input, &TapeNode::op);
             REQUIRE(names.size() == static_cast<std::size_t>(inputs));
             CHECK(names.back() == "box.hi.z");

@@ -73,7 +73,7 @@ inline TriangleSample whole_sample(Seeded& rng, int size) {
         s = {{whole_vec(rng, size), whole_vec(rng, size)}, {whole_vec(rng, size), {}, {}}};
         s.triangle.b = whole_vec(rng, size);
         s.triangle.c = whole_vec(rng, size);
-    } while (on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0));
+    } while (are_on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0));
     return s;
 }
 
@@ -185,7 +185,7 @@ void for_each_triangle(int each, const Visit& visit) {
         Seeded rng(0x7a1);
         for (int i = 0; i < each; ++i) {
             const TriangleSample s = in_floats(distribution.draw(rng));
-            if (on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0))
+            if (are_on_one_line(s.triangle.a, s.triangle.b, s.triangle.c) || s.ray.direction == Vec<double>(0, 0, 0))
                 continue;
             visit(distribution, s);
         }

@@ -72,7 +72,7 @@ private:
 
     static std::optional<Real> exactly(TapeOp op, const std::optional<Real>& a, const std::optional<Real>& b,
                                        const std::optional<Real>& c) {
-        const std::size_t count = row_of(op).operands;
+        const std::size_t count = row_of(op).operand_count;
         if (!a || (count > 1 && !b) || (count > 2 && !c)) return {};
         switch (op) {
             case TapeOp::add: return *a + *b;
@@ -111,7 +111,7 @@ Tape random_tape(Random& random, int operations) {
             numbers.push_back(tape.add(op, four_bits, 0, {a}));
             continue;
         }
-        const std::size_t count = row_of(op).operands;
+        const std::size_t count = row_of(op).operand_count;
         numbers.push_back(tape.add(op, four_bits, 0, {a, count > 1 ? b : no_node, count > 2 ? c : no_node}));
     }
     tape.outputs = {tape.add(TapeOp::less, four_bits, 1, {zero, one}), numbers.back(), numbers.back(), numbers.back()};
@@ -184,7 +184,7 @@ BoxBound bound_of(TapeOp op, const FloatFormat& format, const InputBox& box) {
     Tape tape;
     const NodeId x = tape.add_input(format, 1), y = tape.add_input(format, 1);
     const NodeId zero = tape.add(TapeOp::constant, format, 0, {0}), one = tape.add(TapeOp::constant, format, 1, {1});
-    const NodeId t = tape.add(op, format, 0, {x, row_of(op).operands > 1 ? y : no_node});
+    const NodeId t = tape.add(op, format, 0, {x, row_of(op).operand_count > 1 ? y : no_node});
     tape.outputs = {tape.add(TapeOp::less, format, 1, {zero, one}), t, t, t};
     return TapeBound(tape).bound_over(box);
 }

@@ -49,7 +49,7 @@ std::vector<std::array<double, stage_input_count>> problems_at(Shape shape) {
         }
         for (std::size_t k = 0; k < primitive.shape_numbers().size(); ++k)
             p[input_of_primitive + k] = primitive.numbers[k];
-        for (std::size_t k = 0; k < Affine<double>::numbers; ++k)
+        for (std::size_t k = 0; k < Affine<double>::number_count; ++k)
             p[input_of_primitive + max_number_count + k] = (k % 5 == 0 ? 1.0 : 0.0) + spread(0.2);
         for (std::size_t k = 0; k < 6; ++k) p[input_of_ray_low + k] = p[input_of_ray + k] * 0x1p-55;
         for (std::size_t k = 0; k < max_primitive_number_count; ++k)

@@ -39,7 +39,7 @@ struct Edges {
     bool are_consistent = true;
 
     explicit Edges(const Mesh& mesh) {
-        const auto shared = shared_edges(mesh);
+        const auto shared = find_shared_edges(mesh);
         open = 3 * mesh.faces.size() - 2 * shared.size();
         for (const auto& [ends, faces] : shared) {
             const auto runs_up = [&](const scene::triangle::Face& face) {
@@ -130,26 +130,28 @@ TEST_CASE("edges and borders agree with a comparison of all pairs of faces", "[m
                 ++ways[std::minmax(from, to)][from < to ? 0 : 1];
             }
         }
-        scene::triangle::MeshEdges expected{.edges = ways.size(), .duplicates = mesh.faces.size() - different.size()};
+        scene::triangle::MeshCounts expected{.edges = ways.size(),
+                                             .duplicate_faces = mesh.faces.size() - different.size()};
         for (const auto& [edge, of] : ways) {
             const std::size_t all = of[0] + of[1];
-            expected.border += all == 1, expected.non_manifold += all > 2;
-            expected.unbalanced += of[0] != of[1], expected.odd += all % 2;
+            expected.border_edges += all == 1, expected.non_manifold_edges += all > 2;
+            expected.unbalanced_edges += of[0] != of[1], expected.odd_edges += all % 2;
         }
-        const auto all_of = [](const scene::triangle::MeshEdges& of) {
-            return std::array{of.edges, of.border, of.non_manifold, of.unbalanced, of.odd, of.duplicates};
+        const auto all_of = [](const scene::triangle::MeshCounts& of) {
+            return std::array{of.edges,     of.border_edges,   of.non_manifold_edges, of.unbalanced_edges,
+                              of.odd_edges, of.duplicate_faces};
         };
-        CHECK(all_of(mesh.edges) == all_of(expected));
+        CHECK(all_of(mesh.counts) == all_of(expected));
         for (std::size_t f = 0; f < mesh.faces.size(); ++f)
             for (std::size_t i = 0; i < 3; ++i) {
                 const auto& of = ways.at(std::minmax(mesh.faces[f][(i + 1) % 3], mesh.faces[f][(i + 2) % 3]));
                 CHECK(mesh.is_border(f, i) == (of[0] + of[1] == 1));
                 borders += mesh.is_border(f, i);
             }
-        duplicates += expected.duplicates, many += expected.non_manifold;
+        duplicates += expected.duplicate_faces, many += expected.non_manifold_edges;
         const Mesh twice = scene::triangle::join_meshes({mesh, mesh});
-        CHECK(twice.edges.border == 2 * expected.border);
-        CHECK(twice.edges.duplicates == 2 * expected.duplicates);
+        CHECK(twice.counts.border_edges == 2 * expected.border_edges);
+        CHECK(twice.counts.duplicate_faces == 2 * expected.duplicate_faces);
         CHECK(twice.borders.size() == twice.faces.size());
     }
     CHECK(borders > 100);

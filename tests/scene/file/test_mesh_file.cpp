@@ -41,7 +41,7 @@ TEST_CASE("a file without indices gives a mesh as closed as the one written", "[
                              folder.write("c.obj", to_obj(ball))}) {
         const Mesh read = read_mesh_file(path);
         CHECK(read.vertices.size() == ball.vertices.size());
-        CHECK(2 * shared_edges(read).size() == 3 * ball.faces.size());
+        CHECK(2 * find_shared_edges(read).size() == 3 * ball.faces.size());
         CHECK(are_same(read, ball));
     }
 }

@@ -22,8 +22,8 @@ struct CrossedCone {
         const T rho = named("rho", cone.base_radius * v2 + s * v_dot_f), sigma = named("sigma", s * axis_rate);
         const T a = named("a", v2 * square(n) - square(sigma)), h = named("h", v2 * dot(m, n) - rho * sigma);
         const T c = named("c", v2 * square(m) - square(rho)), disc = named("disc", square(h) - a * c);
-        return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
-                                         caps_without_division<T>(cone, ray, v_dot_f, axis_rate));
+        return find_first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
+                                              caps_without_division<T>(cone, ray, v_dot_f, axis_rate));
     }
 };
 

@@ -24,8 +24,8 @@ struct DotProductsCone {
         const T h = named("h", dot(f, d) - v_dot_f * axis_rate / v2 - r * k);
         const T c = named("c", square(f) - square(v_dot_f) / v2 - square(r));
         const T disc = named("disc", square(h) - a * c);
-        return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
-                                         caps_by_points<T>(cone, ray, v_dot_f, axis_rate, v2));
+        return find_first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)),
+                                              caps_by_points<T>(cone, ray, v_dot_f, axis_rate, v2));
     }
 };
 

@@ -29,7 +29,7 @@ struct FramedCone {
         };
         const CapCrossings<T> caps{t_base, t_top, is_within(t_base, cone.base_radius),
                                    is_within(t_top, cone.top_radius)};
-        return first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)), caps);
+        return find_first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };
 

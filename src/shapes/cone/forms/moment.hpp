@@ -25,8 +25,8 @@ struct MomentCone {
         const T a = named("a", v2 * square(n) - square(sigma));
         const T minus_h = named("h'", rho * sigma - v2 * dot(m, n)), c = named("c", v2 * square(m) - square(rho));
         const T disc = named("disc", v2 * (square(k) - square(v2 * vw)));
-        return first_of_side_and_caps<T>(disc < T(0), unified_roots<T>(a, minus_h, c, sqrt(disc)),
-                                         caps_without_division<T>(cone, ray, v_dot_f, axis_rate));
+        return find_first_of_side_and_caps<T>(disc < T(0), unified_roots<T>(a, minus_h, c, sqrt(disc)),
+                                              caps_without_division<T>(cone, ray, v_dot_f, axis_rate));
     }
 };
 

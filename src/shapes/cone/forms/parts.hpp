@@ -39,7 +39,8 @@ CapCrossings<T> caps_without_division(const Cone<T>& cone, const Ray<T>& ray, co
 /// Otherwise it enters by the side at the root where the polynomial falls (`near`), if that root is between the planes,
 /// and leaves where the polynomial rises (`far`). A NaN is not between the planes.
 template <Number T>
-Hit<T> first_of_side_and_caps(const mask_t<T>& has_no_roots, const RootPair<T>& side, const CapCrossings<T>& caps) {
+Hit<T> find_first_of_side_and_caps(const mask_t<T>& has_no_roots, const RootPair<T>& side,
+                                   const CapCrossings<T>& caps) {
     const auto is_base_first = caps.base_t < caps.top_t;
     const T first_t = select(is_base_first, caps.base_t, caps.top_t),
             last_t = select(is_base_first, caps.top_t, caps.base_t);

@@ -21,8 +21,8 @@ struct CrossedCylinder {
         const T c = named("c", square(m) - square(cylinder.radius) * v2);
         const T disc = named("disc", square(h) - a * c);
         const T v_dot_f = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
-        const RootPair<T> caps = caps_in_order<T>(-v_dot_f / axis_rate, (v2 - v_dot_f) / axis_rate);
-        return first_in_side_and_caps<T>(a, c, disc, plain_half_roots<T>(a, h, sqrt(disc)), caps);
+        const RootPair<T> caps = order_caps<T>(-v_dot_f / axis_rate, (v2 - v_dot_f) / axis_rate);
+        return find_first_of_side_and_caps<T>(a, c, disc, plain_half_roots<T>(a, h, sqrt(disc)), caps);
     }
 };
 

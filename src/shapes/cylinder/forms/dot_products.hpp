@@ -25,8 +25,8 @@ struct DotProductsCylinder {
         const T c = named("c", dd * k - square(md));
         const T b = named("b", dd * mn - nd * md);
         const T disc = named("disc", square(b) - a * c);
-        const RootPair<T> caps = caps_in_order<T>(-md / nd, (dd - md) / nd);
-        return first_in_side_and_caps<T>(a, c, disc, plain_half_roots<T>(a, b, sqrt(disc)), caps);
+        const RootPair<T> caps = order_caps<T>(-md / nd, (dd - md) / nd);
+        return find_first_of_side_and_caps<T>(a, c, disc, plain_half_roots<T>(a, b, sqrt(disc)), caps);
     }
 };
 

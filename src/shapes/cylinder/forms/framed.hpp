@@ -21,8 +21,8 @@ struct FramedCylinder {
         const T qa = named("a", square(d.x) + square(d.y)), h = named("h", o.x * d.x + o.y * d.y);
         const T c = named("c", square(o.x) + square(o.y) - square(cylinder.radius));
         const T disc = named("disc", square(h) - qa * c);
-        const RootPair<T> caps = caps_in_order<T>(-o.z / d.z, (frame.height - o.z) / d.z);
-        return first_in_side_and_caps<T>(disc < T(0), plain_half_roots<T>(qa, h, sqrt(disc)), caps);
+        const RootPair<T> caps = order_caps<T>(-o.z / d.z, (frame.height - o.z) / d.z);
+        return find_first_of_side_and_caps<T>(disc < T(0), plain_half_roots<T>(qa, h, sqrt(disc)), caps);
     }
 };
 

@@ -24,8 +24,8 @@ struct TripleProductCylinder {
         const T disc = named("disc", v2 * (r2 * a - square(w)));
         const T c = named("c", square(m) - r2 * v2);
         const T v_dot_f = named("v.f", dot(v, f)), axis_rate = named("v.d", dot(v, ray.direction));
-        const RootPair<T> caps = caps_in_order<T>(-v_dot_f / axis_rate, (v2 - v_dot_f) / axis_rate);
-        return first_in_side_and_caps<T>(a, c, disc, unified_roots<T>(a, minus_h, c, sqrt(disc)), caps);
+        const RootPair<T> caps = order_caps<T>(-v_dot_f / axis_rate, (v2 - v_dot_f) / axis_rate);
+        return find_first_of_side_and_caps<T>(a, c, disc, unified_roots<T>(a, minus_h, c, sqrt(disc)), caps);
     }
 };
 

@@ -16,9 +16,9 @@ struct CesiumInterval {
 
     /// q is the origin and w the direction in radii; q² − 1, qw and w² are named as in the source.
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const Vec<T> inverse = divide_components<T>(Vec<T>(T(1), T(1), T(1)), e.radii);
-        const Vec<T> q = inverse * (ray.origin - e.centre), w = inverse * ray.direction;
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const Vec<T> inverse = divide_components<T>(Vec<T>(T(1), T(1), T(1)), ellipsoid.radii);
+        const Vec<T> q = inverse * (ray.origin - ellipsoid.centre), w = inverse * ray.direction;
         const T qw = named("qw", dot(q, w));
         const T difference = named("difference", square(q) - T(1));
         const T w2 = named("w2", square(w)), product = w2 * difference;

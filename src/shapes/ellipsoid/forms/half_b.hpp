@@ -13,8 +13,8 @@ struct WeightedHalfB {
     };
 
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const WeightedQuadratic<T> q(ray, e);
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const WeightedQuadratic<T> q(ray, ellipsoid);
         const T disc = named("disc", square(q.h) - q.a * q.c);
         return hit_unless<T>(disc < T(0), plain_half_roots<T>(q.a, q.h, sqrt(disc)));
     }

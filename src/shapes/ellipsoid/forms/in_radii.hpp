@@ -18,8 +18,9 @@ template <Number T>
 struct ScaledRay {
     Vec<T> f, d;
 
-    ScaledRay(const Ray<T>& ray, const Ellipsoid<T>& e)
-        : f(divide_components<T>(ray.origin - e.centre, e.radii)), d(divide_components<T>(ray.direction, e.radii)) {}
+    ScaledRay(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid)
+        : f(divide_components<T>(ray.origin - ellipsoid.centre, ellipsoid.radii)),
+          d(divide_components<T>(ray.direction, ellipsoid.radii)) {}
 };
 
 /// Coefficients a, h = b/2 and c of the quadratic, from the squares of the radii r. With f = o − G, over the
@@ -28,9 +29,9 @@ template <Number T>
 struct WeightedQuadratic {
     T a, h, c;
 
-    WeightedQuadratic(const Ray<T>& ray, const Ellipsoid<T>& e) : a(0), h(0), c(0) {
-        const Vec<T> f = ray.origin - e.centre, &d = ray.direction;
-        const Vec<T> w = divide_components<T>(Vec<T>(T(1), T(1), T(1)), e.radii * e.radii);
+    WeightedQuadratic(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) : a(0), h(0), c(0) {
+        const Vec<T> f = ray.origin - ellipsoid.centre, &d = ray.direction;
+        const Vec<T> w = divide_components<T>(Vec<T>(T(1), T(1), T(1)), ellipsoid.radii * ellipsoid.radii);
         a = named("a", dot(d * d, w));
         h = named("h", dot(f * d, w));
         c = named("c", dot(f * f, w) - T(1));

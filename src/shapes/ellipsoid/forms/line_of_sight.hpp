@@ -16,10 +16,10 @@ struct LineOfSight {
 
     /// (x, y, z) is the origin relative to the centre, (u, v, w) the direction, (a, b, c) the radii.
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const Vec<T> f = ray.origin - e.centre;
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const Vec<T> f = ray.origin - ellipsoid.centre;
         const T &x = f.x, &y = f.y, &z = f.z, &u = ray.direction.x, &v = ray.direction.y, &w = ray.direction.z;
-        const T a2 = square(e.radii.x), b2 = square(e.radii.y), c2 = square(e.radii.z), two(2);
+        const T a2 = square(ellipsoid.radii.x), b2 = square(ellipsoid.radii.y), c2 = square(ellipsoid.radii.z), two(2);
         const T value = named("value", -a2 * b2 * w * z - a2 * c2 * v * y - b2 * c2 * u * x);
         const T terms_1 = a2 * b2 * square(w) + a2 * c2 * square(v) - a2 * square(v) * square(z);
         const T terms_2 = terms_1 + two * a2 * v * w * y * z - a2 * square(w) * square(y) + b2 * c2 * square(u);
@@ -27,7 +27,8 @@ struct LineOfSight {
         const T radical = named(
             "radical", terms_3 - c2 * square(u) * square(y) + two * c2 * u * v * x * y - c2 * square(v) * square(x));
         const T magnitude = named("magnitude", a2 * b2 * square(w) + a2 * c2 * square(v) + b2 * c2 * square(u));
-        const T t = named("t", (value - e.radii.x * e.radii.y * e.radii.z * sqrt(radical)) / magnitude);
+        const T t =
+            named("t", (value - ellipsoid.radii.x * ellipsoid.radii.y * ellipsoid.radii.z * sqrt(radical)) / magnitude);
         return near_hit<T>(radical < T(0), t);
     }
 };

@@ -15,11 +15,12 @@ struct MomentDiscriminant {
     };
 
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const ScaledRay<T> scaled_ray(ray, e);
-        const Vec<T> m = cross(Vec<T>(ray.origin - e.centre), ray.direction);
-        const Vec<T> scaled_moment(m.x / e.radii.y / e.radii.z, m.y / e.radii.z / e.radii.x,
-                                   m.z / e.radii.x / e.radii.y);
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const ScaledRay<T> scaled_ray(ray, ellipsoid);
+        const Vec<T> m = cross(Vec<T>(ray.origin - ellipsoid.centre), ray.direction);
+        const Vec<T> scaled_moment(m.x / ellipsoid.radii.y / ellipsoid.radii.z,
+                                   m.y / ellipsoid.radii.z / ellipsoid.radii.x,
+                                   m.z / ellipsoid.radii.x / ellipsoid.radii.y);
         const T a = named("a", square(scaled_ray.d));
         const T minus_b = named("b'", -dot(scaled_ray.f, scaled_ray.d));
         const T disc = named("disc", a - square(scaled_moment));

@@ -13,8 +13,8 @@ struct ScaledPerpendicular {
     };
 
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const ScaledRay<T> scaled_ray(ray, e);
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const ScaledRay<T> scaled_ray(ray, ellipsoid);
         const T a = named("a", square(scaled_ray.d));
         // The quadratic is a t² + 2 b t + c with b = f·d. As for spheres, b' is −b.
         const T minus_b = named("b'", -dot(scaled_ray.f, scaled_ray.d));

@@ -13,8 +13,8 @@ struct WeightedPress {
     };
 
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const WeightedQuadratic<T> q(ray, e);
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const WeightedQuadratic<T> q(ray, ellipsoid);
         const T b = named("b", T(2) * q.h);
         const T disc = named("disc", square(b) - T(4) * q.a * q.c);
         return hit_unless<T>(disc < T(0), press_roots<T>(q.a, b, q.c, sqrt(disc)));

@@ -13,8 +13,8 @@ struct ScaledHalfB {
     };
 
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const ScaledRay<T> scaled_ray(ray, e);
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const ScaledRay<T> scaled_ray(ray, ellipsoid);
         const T a = named("a", square(scaled_ray.d));
         const T h = named("h", dot(scaled_ray.f, scaled_ray.d));
         const T c = named("c", square(scaled_ray.f) - T(1));

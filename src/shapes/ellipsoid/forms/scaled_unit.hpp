@@ -14,8 +14,8 @@ struct ScaledUnit {
     };
 
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        const ScaledRay<T> scaled_ray(ray, e);
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        const ScaledRay<T> scaled_ray(ray, ellipsoid);
         const T size = named("size", length(scaled_ray.d));
         const Vec<T> d(scaled_ray.d.x / size, scaled_ray.d.y / size, scaled_ray.d.z / size);
         const T h = named("h", dot(scaled_ray.f, d));

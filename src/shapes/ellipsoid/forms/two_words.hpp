@@ -18,13 +18,14 @@ struct TwoWordsEllipsoid {
     static constexpr bool exact_is_apart = true;
 
     template <Number T>
-    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& e) {
-        if constexpr (is_exact<T>) return hit_from_scaled_ray<T>(ScaledRay<T>(ray, e), [](const T& x) { return x; });
+    static Hit<T> intersect(const Ray<T>& ray, const Ellipsoid<T>& ellipsoid) {
+        if constexpr (is_exact<T>)
+            return hit_from_scaled_ray<T>(ScaledRay<T>(ray, ellipsoid), [](const T& x) { return x; });
         else {
             using W = number::wide::TwoWords<T>;
             const auto wide = [](const Vec<T>& v) { return Vec<W>(W(v.x), W(v.y), W(v.z)); };
             const Ray<W> wide_ray{wide(ray.origin), wide(ray.direction)};
-            return hit_from_scaled_ray<T>(ScaledRay<W>(wide_ray, {wide(e.centre), wide(e.radii)}),
+            return hit_from_scaled_ray<T>(ScaledRay<W>(wide_ray, {wide(ellipsoid.centre), wide(ellipsoid.radii)}),
                                           [](const W& x) { return x.hi; });
         }
     }

@@ -29,16 +29,17 @@ const std::array<Vec<double>, 9>& child_directions() {
     return directions;
 }
 
-void visit_generations(const Sphere<double>& sphere, const Vec<double>& w, int levels,
+void visit_generations(const Sphere<double>& sphere, const Vec<double>& w, int level_count,
                        const std::function<void(const Sphere<double>&)>& visit) {
     visit(sphere);
-    if (levels == 0) return;
+    if (level_count == 0) return;
     const Vec<double> e = std::fabs(w.x) > 0.8 ? Vec<double>(0, 1, 0) : Vec<double>(1, 0, 0);
     const Vec<double> u = unit_of(cross(e, w)), v = cross(w, u);
     const double distance = sphere.radius + sphere.radius / 3;
     for (const Vec<double>& child : child_directions()) {
         const Vec<double> child_axis = unit_of(child.x * u + child.y * v + child.z * w);
-        visit_generations({sphere.centre + distance * child_axis, sphere.radius / 3}, child_axis, levels - 1, visit);
+        visit_generations({sphere.centre + distance * child_axis, sphere.radius / 3}, child_axis, level_count - 1,
+                          visit);
     }
 }
 

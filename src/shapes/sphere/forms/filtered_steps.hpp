@@ -210,7 +210,7 @@ struct ExactTerms {
 /// Returns the decision and t from the terms, without a bound: the terms have the right signs, or T is exact. A ray
 /// that touches hits, and a ray that starts on the surface hits at t = 0.
 template <Number T>
-Decision<T> decision_of_terms(const T& h, const T& c, const T& a, const T& disc) {
+Decision<T> decide_from_terms(const T& h, const T& c, const T& a, const T& disc) {
     const T root = named("root", sqrt(disc)), q = named("q", abs(h) + root);
     const T t = decide(c < T(0) && h <= T(0), [&](const mask_t<T>& is_inside) {
         return T(select(is_inside, q, abs(c)) / select(is_inside, a, q));
@@ -225,7 +225,7 @@ Decision<T> decide_unrounded(const Ray<T>& ray, const Sphere<T>& sphere) {
     const Vec<T> f = ray.origin - sphere.centre;
     const T a = named("a", square(ray.direction)), h = named("h", dot(f, ray.direction));
     const T r2 = square(sphere.radius), c = named("c", square(f) - r2);
-    return decision_of_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
+    return decide_from_terms<T>(h, c, a, named("D", a * r2 - square(cross(f, ray.direction))));
 }
 
 /// Decides by exact sums. The result is proved where the numbers fit (`fit`). The decision is narrowed to T together
@@ -237,7 +237,7 @@ template <Number T>
     const auto widen_vec = [&](const Vec<T>& x) { return Vec<B>(widen(x.x), widen(x.y), widen(x.z)); };
     const ExactTerms<B> terms(Ray<B>{widen_vec(ray.origin), widen_vec(ray.direction)},
                               Sphere<B>{widen_vec(sphere.centre), widen(sphere.radius)});
-    const Decision<B> decision = decision_of_terms<B>(terms.h, terms.c, terms.a, terms.disc);
+    const Decision<B> decision = decide_from_terms<B>(terms.h, terms.c, terms.a, terms.disc);
     const T t = number::wide::narrow<T>(select(decision.hit, decision.t, B(-1)));
     return {fit, t >= T(0), t};
 }

@@ -20,7 +20,7 @@ struct Bracketed {
         const QuarticSpan<T> s = torus.span(ray);
         const QuarticChain<T> chain(s.f);
         const T t = named("t", s.t_at(approximate_first_root<T>(chain, s.b, s.bound, 6)));
-        return {sign_changes(chain.at(s.b)) > sign_changes(chain.at_infinity()), t, t, t};
+        return {count_sign_changes(chain.at(s.b)) > count_sign_changes(chain.at_infinity()), t, t, t};
     }
 };
 

@@ -17,7 +17,7 @@ struct BracketedInDouble {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        return from_wider<T>(Bracketed::intersect(to_wider(ray), to_wider(torus)));
+        return narrow_hit<T>(Bracketed::intersect(to_wider(ray), to_wider(torus)));
     }
 };
 

@@ -19,7 +19,7 @@ struct TorusDoubleInside {
 
     template <Number T>
     static Hit<T> intersect(const Ray<T>& ray, const Torus<T>& torus) {
-        return from_wider<T>(GraphicsGems::intersect(to_wider(ray), to_wider(torus)));
+        return narrow_hit<T>(GraphicsGems::intersect(to_wider(ray), to_wider(torus)));
     }
 };
 

@@ -36,7 +36,7 @@ Quartic<T> quartic_in_t(const Vec<T>& p, const Vec<T>& d, const T& pz, const T& 
             square(k1) + T(4) * R2 * (square(pz) - r2)};
 }
 
-/// Widens a ray or a torus to the wider arithmetic. `from_wider` converts the answer back.
+/// Widens a ray or a torus to the wider arithmetic. `narrow_hit` converts the answer back.
 template <Number T>
 auto to_wider(const Vec<T>& v) {
     return Vec<typename Wider<T>::type>(Wider<T>::widen(v.x), Wider<T>::widen(v.y), Wider<T>::widen(v.z));
@@ -51,7 +51,7 @@ auto to_wider(const Torus<T>& torus) {
                                           Wider<T>::widen(torus.major_radius), Wider<T>::widen(torus.minor_radius)};
 }
 template <Number T>
-Hit<T> from_wider(const Hit<typename Wider<T>::type>& wide) {
+Hit<T> narrow_hit(const Hit<typename Wider<T>::type>& wide) {
     return {wide.hit, Wider<T>::narrow(wide.t), Wider<T>::narrow(wide.near), Wider<T>::narrow(wide.far)};
 }
 

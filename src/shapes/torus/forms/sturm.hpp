@@ -27,7 +27,7 @@ struct SturmTorus {
         const QuarticChain<T> chain(T(1), T(-3) * a2 / T(8) + f.b, a2 * f.a / T(8) - f.a * f.b / T(2) + f.c,
                                     T(-3) * square(a2) / T(256) + a2 * f.b / T(16) - f.a * f.c / T(4) + f.d);
         const T begin = quarter - shift, t = named("t", approximate_first_root<T>(chain, begin, bound, 6) - begin);
-        return {sign_changes(chain.at(begin)) > sign_changes(chain.at_infinity()), t, t, t};
+        return {count_sign_changes(chain.at(begin)) > count_sign_changes(chain.at_infinity()), t, t, t};
     }
 };
 

@@ -68,9 +68,9 @@ void divide_faces(Mesh& mesh) {
 
 }  // namespace
 
-Mesh make_icosphere(int levels, const Vec<double>& centre, double radius) {
+Mesh make_icosphere(int level_count, const Vec<double>& centre, double radius) {
     Mesh mesh = make_icosahedron();
-    for (int level = 0; level < levels; ++level) divide_faces(mesh);
+    for (int level = 0; level < level_count; ++level) divide_faces(mesh);
     for (Vec<double>& v : mesh.vertices) v = centre + radius * v;
     return mesh;
 }

@@ -5,10 +5,10 @@
 
 namespace lostbits::scene::triangle {
 
-/// Makes a closed mesh of 20·4^levels faces, wound outward. The icosahedron's twelve corners are (±1, ±φ, 0) and its
-/// rotations, divided by √(1 + φ²), φ = (1 + √5)/2. Each level adds a corner in the middle of every edge, divided by
-/// its length. At the end each corner is multiplied by the radius and added to the centre.
-Mesh make_icosphere(int levels, const Vec<double>& centre, double radius);
+/// Makes a closed mesh of 20·4^level_count faces, wound outward. The icosahedron's twelve corners are (±1, ±φ, 0) and
+/// its rotations, divided by √(1 + φ²), φ = (1 + √5)/2. Each level adds a corner in the middle of every edge, divided
+/// by its length. At the end each corner is multiplied by the radius and added to the centre.
+Mesh make_icosphere(int level_count, const Vec<double>& centre, double radius);
 
 /// Makes 2·across·up faces over a rectangle around the centre. Relative to the centre, the corner (i, j) is at x =
 /// size.x (i/across − 1/2), y = size.y (j/up − 1/2) and z = bump (1 − (2x/size.x)²)(1 − (2y/size.y)²). The border is

@@ -122,9 +122,9 @@ std::size_t count_duplicates_at(const Mesh& mesh, std::span<const EdgeOfFace> ed
            static_cast<std::size_t>(std::unique(third_vertices.begin(), third_vertices.end()) - third_vertices.begin());
 }
 
-/// Fills `edges` and `borders` of the mesh.
+/// Fills `counts` and `borders` of the mesh.
 void count_edges_and_borders(Mesh& mesh, StopToken stop) {
-    mesh.edges = {};
+    mesh.counts = {};
     mesh.borders.assign(mesh.faces.size(), 0);
     std::vector<std::uint32_t> third_vertices;
     const auto count_edge = [&](std::span<const EdgeOfFace> edge_faces) {
@@ -137,13 +137,13 @@ void count_edges_and_borders(Mesh& mesh, StopToken stop) {
             if (edge_faces.size() == 1) mesh.borders[edge.face] |= static_cast<std::uint8_t>(1U << corner);
         }
 
-        MeshEdges& counts = mesh.edges;
+        MeshCounts& counts = mesh.counts;
         ++counts.edges;
-        counts.border += edge_faces.size() == 1;
-        counts.non_manifold += edge_faces.size() > 2;
-        counts.unbalanced += direction_balance != 0;
-        counts.odd += edge_faces.size() % 2;
-        if (edge_faces.size() > 1) counts.duplicates += count_duplicates_at(mesh, edge_faces, third_vertices);
+        counts.border_edges += edge_faces.size() == 1;
+        counts.non_manifold_edges += edge_faces.size() > 2;
+        counts.unbalanced_edges += direction_balance != 0;
+        counts.odd_edges += edge_faces.size() % 2;
+        if (edge_faces.size() > 1) counts.duplicate_faces += count_duplicates_at(mesh, edge_faces, third_vertices);
     };
     for_each_edge(mesh, count_edge, stop);
 }
@@ -163,7 +163,7 @@ void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& 
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
         stop.check();
         const auto& [a, b, c] = mesh.faces[f];
-        if (on_one_line(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
+        if (are_on_one_line(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c])) {
             if (mesh.removed_face_count++ == 0) mesh.first_removed_face = describe_face(f);
             continue;
         }
@@ -173,7 +173,7 @@ void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& 
     count_edges_and_borders(mesh, stop);
 }
 
-std::vector<SharedEdge> shared_edges(const Mesh& mesh) {
+std::vector<SharedEdge> find_shared_edges(const Mesh& mesh) {
     std::vector<SharedEdge> edges_of_two_faces;
     for_each_edge(mesh, [&](std::span<const EdgeOfFace> edge_faces) {
         if (edge_faces.size() == 2)
@@ -193,9 +193,9 @@ Mesh join_meshes(std::vector<Mesh> meshes) {
         for (const auto& [a, b, c] : next.faces)
             result.faces.push_back({vertex_offset + a, vertex_offset + b, vertex_offset + c});
         result.borders.insert(result.borders.end(), next.borders.begin(), next.borders.end());
-        for (const auto member : {&MeshEdges::edges, &MeshEdges::border, &MeshEdges::non_manifold,
-                                  &MeshEdges::unbalanced, &MeshEdges::odd, &MeshEdges::duplicates})
-            result.edges.*member += next.edges.*member;
+        for (const auto member : {&MeshCounts::edges, &MeshCounts::border_edges, &MeshCounts::non_manifold_edges,
+                                  &MeshCounts::unbalanced_edges, &MeshCounts::odd_edges, &MeshCounts::duplicate_faces})
+            result.counts.*member += next.counts.*member;
         if (result.removed_face_count == 0) result.first_removed_face = next.first_removed_face;
         result.removed_face_count += next.removed_face_count;
     }
@@ -209,11 +209,11 @@ std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format) {
         return p;
     };
     return static_cast<std::size_t>(std::ranges::count_if(mesh.faces, [&](const Face& f) {
-        return on_one_line(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
+        return are_on_one_line(rounded_vertex(f[0]), rounded_vertex(f[1]), rounded_vertex(f[2]));
     }));
 }
 
-std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format) {
+std::vector<std::string> find_mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format) {
     std::vector<std::string> remarks;
     if (mesh.removed_face_count > 0)
         remarks.push_back(std::to_string(mesh.removed_face_count) + " of " +

@@ -26,13 +26,13 @@ inline Triangle<double> corners_of(const Face& face, const std::vector<Vec<doubl
 
 /// Counts of edges and faces, most of which show that a mesh is not closed. Faces without area are left out, so their
 /// edges count as open.
-struct MeshEdges {
+struct MeshCounts {
     std::size_t edges = 0;
-    std::size_t border = 0;        ///< edges of one face
-    std::size_t non_manifold = 0;  ///< edges of more than two faces
-    std::size_t unbalanced = 0;    ///< edges that more faces traverse in one direction than in the other
-    std::size_t odd = 0;           ///< edges with an odd number of faces
-    std::size_t duplicates = 0;    ///< faces with the same three vertices as an earlier face
+    std::size_t border_edges = 0;        ///< edges of one face
+    std::size_t non_manifold_edges = 0;  ///< edges of more than two faces
+    std::size_t unbalanced_edges = 0;    ///< edges that more faces traverse in one direction than in the other
+    std::size_t odd_edges = 0;           ///< edges with an odd number of faces
+    std::size_t duplicate_faces = 0;     ///< faces with the same three vertices as an earlier face
 };
 
 /// Triangles that share vertices. Vertices are the ideal numbers of the scene, in binary64. Faces whose corners lie on
@@ -44,7 +44,7 @@ struct Mesh {
     std::vector<Face> faces;
     std::size_t removed_face_count = 0;  ///< faces without area
     std::string first_removed_face;      ///< describes the first face without area; empty if every face has one
-    MeshEdges edges;                     ///< counts over all faces; filled by `merge_and_count`
+    MeshCounts counts;                   ///< counts over all faces; filled by `merge_and_count`
     /// For each face, bit k is 1 if the edge opposite to its corner k has no other face; filled by `merge_and_count`.
     std::vector<std::uint8_t> borders;
 
@@ -61,8 +61,8 @@ struct Mesh {
 };
 
 /// Merges vertices with the same coordinates (0 and −0 are the same), so that faces which meet share their edge.
-/// Removes faces whose corners lie on one line, and fills `edges` and `borders`. `describe_face(face)` describes a face
-/// of the mesh as it was given. Throws Interrupted if it is stopped, and then leaves an unusable mesh.
+/// Removes faces whose corners lie on one line, and fills `counts` and `borders`. `describe_face(face)` describes a
+/// face of the mesh as it was given. Throws Interrupted if it is stopped, and then leaves an unusable mesh.
 void merge_and_count(Mesh& mesh, const std::function<std::string(std::size_t)>& describe_face,
                      intersect::process::StopToken stop = {});
 
@@ -72,7 +72,7 @@ struct SharedEdge {
     std::array<std::uint32_t, 2> faces;  ///< in ascending order
 };
 /// Returns every edge of exactly two faces, ordered by its ends.
-std::vector<SharedEdge> shared_edges(const Mesh& mesh);
+std::vector<SharedEdge> find_shared_edges(const Mesh& mesh);
 
 /// Joins the meshes into one, in their order.
 Mesh join_meshes(std::vector<Mesh> meshes);
@@ -82,7 +82,7 @@ std::size_t count_flat_faces(const Mesh& mesh, const FloatFormat& format);
 
 /// Returns remarks for the author of the mesh about faces without area, as sentences. If `vertex_format` is absent, the
 /// vertices are not rounded.
-std::vector<std::string> mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format);
+std::vector<std::string> find_mesh_remarks(const Mesh& mesh, const std::optional<FloatFormat>& vertex_format);
 
 /// Settings with which a mesh is read.
 struct MeshSettings {

@@ -18,13 +18,13 @@ bool is_ignored(std::string_view keyword) {
 }
 
 /// Returns the index of a vertex, from 0, for `7`, `7/1`, `7/1/2`, `7//2` or `-1`.
-std::uint32_t parse_vertex_index(const TextLines& lines, std::string_view word, std::size_t vertices) {
+std::uint32_t parse_vertex_index(const TextLines& lines, std::string_view word, std::size_t vertex_count) {
     const std::string_view text = word.substr(0, word.find('/'));
     long long number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     if (error != std::errc() || end != text.data() + text.size())
         lines.fail("the corner " + text::quoted_excerpt(word) + " is not the number of a vertex");
-    const auto count = static_cast<long long>(vertices);
+    const auto count = static_cast<long long>(vertex_count);
     if (number == 0) lines.fail("names vertex 0; vertices count from 1, and -1 is the last one");
     if (number > count || number < -count)
         lines.fail("names vertex " + std::to_string(number) + ", but " + std::to_string(count) +

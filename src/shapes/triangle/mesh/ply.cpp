@@ -15,7 +15,7 @@ namespace {
 enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
 struct PlyTypeName {
     std::string_view old_name, name;
-    std::size_t bytes;
+    std::size_t byte_count;
 };
 constexpr std::array<PlyTypeName, 8> ply_types{{{"char", "int8", 1},
                                                 {"uchar", "uint8", 1},
@@ -25,7 +25,7 @@ constexpr std::array<PlyTypeName, 8> ply_types{{{"char", "int8", 1},
                                                 {"uint", "uint32", 4},
                                                 {"float", "float32", 4},
                                                 {"double", "float64", 8}}};
-std::size_t bytes_of(PlyType type) { return ply_types[static_cast<std::size_t>(type)].bytes; }
+std::size_t bytes_of(PlyType type) { return ply_types[static_cast<std::size_t>(type)].byte_count; }
 
 struct PlyProperty {
     std::string name;
@@ -208,10 +208,10 @@ public:
         for (std::size_t k = 0; k < count; ++k) static_cast<void>(next(property, property.type));
     }
     /// Reads the index of a vertex.
-    std::uint32_t read_corner(const PlyProperty& property, std::size_t vertices) {
+    std::uint32_t read_corner(const PlyProperty& property, std::size_t vertex_count) {
         const double x = next(property, property.type);
-        if (!is_whole(x) || x >= static_cast<double>(vertices))
-            fail(fmt::format("names vertex {} of {}; vertices are whole numbers, and count from 0", x, vertices));
+        if (!is_whole(x) || x >= static_cast<double>(vertex_count))
+            fail(fmt::format("names vertex {} of {}; vertices are whole numbers, and count from 0", x, vertex_count));
         return static_cast<std::uint32_t>(x);
     }
     [[noreturn]] void fail(const std::string& problem) const {
@@ -275,7 +275,7 @@ void read_vertex(PlyNumbers& numbers, const PlyElement& element, Mesh& mesh) {
 }
 
 /// Reads the corners of a face, or skips an element of another kind.
-void read_corners(PlyNumbers& numbers, const PlyElement& element, std::size_t vertices,
+void read_corners(PlyNumbers& numbers, const PlyElement& element, std::size_t vertex_count,
                   std::vector<std::uint32_t>& corners) {
     corners.clear();
     for (const PlyProperty& property : element.properties) {
@@ -284,7 +284,7 @@ void read_corners(PlyNumbers& numbers, const PlyElement& element, std::size_t ve
             continue;
         }
         const std::size_t count = numbers.length(property);
-        for (std::size_t k = 0; k < count; ++k) corners.push_back(numbers.read_corner(property, vertices));
+        for (std::size_t k = 0; k < count; ++k) corners.push_back(numbers.read_corner(property, vertex_count));
     }
 }
 

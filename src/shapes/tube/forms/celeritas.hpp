@@ -24,8 +24,8 @@ struct CeleritasTube {
         const T half_b = named("half_b", (o.x * d.x + o.y * d.y) / a);
         const T c = named("c", (square(o.x) + square(o.y) - square(tube.radius)) / a);
         const T disc = named("b2_4", square(half_b) - c), root = sqrt(disc);
-        return first_between_ends<T>(disc < T(0) || a < least, {-half_b - root, -half_b + root}, o.z, d.z,
-                                     frame.height);
+        return find_first_between_ends<T>(disc < T(0) || a < least, {-half_b - root, -half_b + root}, o.z, d.z,
+                                          frame.height);
     }
 };
 

@@ -28,8 +28,8 @@ struct DetrayTube {
         const T c = named("rad_diff", square(tube.radius) - (square(o.x) + square(o.y)));
         const T k = named("k", -over_a * (o.x * d.x + o.y * d.y));
         const T disc = named("discr", over_a * c + square(k)), root = sqrt(disc);
-        return first_between_ends<T>(disc < T(0) || a < float_epsilon<T>(), {k - root, k + root}, o.z, d.z,
-                                     frame.height);
+        return find_first_between_ends<T>(disc < T(0) || a < float_epsilon<T>(), {k - root, k + root}, o.z, d.z,
+                                          frame.height);
     }
 
 private:

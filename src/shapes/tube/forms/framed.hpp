@@ -22,7 +22,7 @@ struct FramedTube {
         const T a = named("a", square(d.x) + square(d.y)), h = named("h", o.x * d.x + o.y * d.y);
         const T c = named("c", square(o.x) + square(o.y) - square(tube.radius));
         const T disc = named("disc", square(h) - a * c);
-        return first_between_ends<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)), o.z, d.z, frame.height);
+        return find_first_between_ends<T>(disc < T(0), plain_half_roots<T>(a, h, sqrt(disc)), o.z, d.z, frame.height);
     }
 };
 

@@ -22,7 +22,8 @@ struct FramedMoment {
         const T a = named("a", square(d.x) + square(d.y)), minus_h = named("h'", -(o.x * d.x + o.y * d.y));
         const T r2 = square(tube.radius), w = named("w", o.x * d.y - o.y * d.x);
         const T disc = named("disc", r2 * a - square(w)), c = named("c", square(o.x) + square(o.y) - r2);
-        return first_between_ends<T>(disc < T(0), unified_roots<T>(a, minus_h, c, sqrt(disc)), o.z, d.z, frame.height);
+        return find_first_between_ends<T>(disc < T(0), unified_roots<T>(a, minus_h, c, sqrt(disc)), o.z, d.z,
+                                          frame.height);
     }
 };
 

@@ -27,7 +27,7 @@ struct MitsubaTube {
         const W c = named("C", square(ox) + square(oy) - square(wide(tube.radius)));
         const W disc = named("disc", square(b) - W(4) * a * c);
         const auto roots = press_roots<W>(a, b, c, sqrt(disc));
-        const Hit<W> hit = first_between_ends<W>(disc < W(0), roots, wide(o.z), wide(d.z), wide(frame.height));
+        const Hit<W> hit = find_first_between_ends<W>(disc < W(0), roots, wide(o.z), wide(d.z), wide(frame.height));
         const T t = Wider<T>::narrow(hit.t);
         return {hit.hit, t, t, t};
     }

@@ -9,8 +9,8 @@ namespace lostbits::intersect::tube {
 /// Finds the first root t ≥ 0 whose position along the axis, `axis_start` + t `axis_rate`, is between 0 and `height`.
 /// If the near root is behind the origin or beyond an end, the far root may count. A NaN is not a root.
 template <Number T>
-Hit<T> first_between_ends(const mask_t<T>& is_miss, const RootPair<T>& roots, const T& axis_start, const T& axis_rate,
-                          const T& height) {
+Hit<T> find_first_between_ends(const mask_t<T>& is_miss, const RootPair<T>& roots, const T& axis_start,
+                               const T& axis_rate, const T& height) {
     const auto is_between_ends = [&](const T& t) {
         const T y = axis_start + t * axis_rate;
         return t >= T(0) && y >= T(0) && y <= height;

@@ -21,8 +21,8 @@ struct TripleProductTube {
         const T a = named("a", square(n)), minus_h = named("h'", -dot(m, n)), v2 = square(v);
         const T r2 = square(tube.radius), disc = named("disc", v2 * (r2 * a - square(named("w", dot(f, n)))));
         const T c = named("c", square(m) - r2 * v2);
-        return first_between_ends<T>(disc < T(0), unified_roots<T>(a, minus_h, c, sqrt(disc)), dot(v, f),
-                                     dot(v, ray.direction), v2);
+        return find_first_between_ends<T>(disc < T(0), unified_roots<T>(a, minus_h, c, sqrt(disc)), dot(v, f),
+                                          dot(v, ray.direction), v2);
     }
 };
 

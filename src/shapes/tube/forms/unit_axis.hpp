@@ -24,7 +24,7 @@ struct UnitAxisTube {
         const T oz = named("Oz", dot(o, v)), dz = named("dz", dot(d, v));
         const T a = named("A", square(d) - square(dz)), b = named("B", dot(o, d) - oz * dz);
         const T c = named("C", square(o) - square(oz) - square(tube.radius)), disc = named("D", square(b) - a * c);
-        return first_between_ends<T>(disc < T(0), plain_half_roots<T>(a, b, sqrt(disc)), oz, dz, height);
+        return find_first_between_ends<T>(disc < T(0), plain_half_roots<T>(a, b, sqrt(disc)), oz, dz, height);
     }
 };
 
