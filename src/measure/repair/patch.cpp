@@ -135,7 +135,7 @@ private:
             if (nodes.size() > 1 && !columns_are_starts) continue;
             const std::size_t offset = line_begin(position.first) + static_cast<std::size_t>(position.second - 1);
             computed_[*std::ranges::max_element(nodes)] = {
-                columns_are_starts ? tokens_.expression_from(offset) : tokens_.expression_at(offset), false};
+                columns_are_starts ? tokens_.find_expression_from(offset) : tokens_.find_expression_at(offset), false};
         }
     }
 
