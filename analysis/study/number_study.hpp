@@ -229,8 +229,9 @@ struct NumberAdapter {
                                      Quantity::meaning)},
             .scales = {Quantity::scale()},
             .bar_label = Quantity::unit};
-        for (const auto* const form : forms_of(study)) spec.forms.push_back(output::map::short_name(*form->info));
-        for (const std::string& format : formats_of(study)) spec.formats.push_back(format);
+        for (const auto* const form : forms_of(study))
+            spec.column_labels.push_back(output::map::short_name(*form->info));
+        for (const std::string& format : formats_of(study)) spec.row_labels.push_back(format);
         return {file, std::move(spec)};
     }
     static std::vector<output::study::Note> notes(const Study& study, const Summaries& summaries) {
